@@ -23,7 +23,7 @@ static void out_secret(struct ctl *c, const struct store_token *t, const char *s
     rows_scopes_write(t->scopes, list);
     (void)fprintf(
         stderr, "token %s (%s) for %s%s%s, valid %s%s; its secret is not shown again:\n",
-        t->id, t->name, list, t->groups[0] != '\0' ? " in the groups " : "", t->groups,
+        t->name, t->id, list, t->groups[0] != '\0' ? " in the groups " : "", t->groups,
         t->expires[0] != '\0' ? "until " : "forever", t->expires);
     (void)printf("%s\n", secret);
 }
@@ -150,14 +150,18 @@ static enum status ctl_run_token_list(struct ctl *c)
 
 static enum status revoke(struct ctl *c)
 {
+    struct store_token t;
     char id[STORE_ID_LEN + 1];
     enum status st = ctl_token_find(c, c->args[0], false, id);
 
-    if (st != ST_OK || (st = store_token_revoke(c->store, c->actor, id, &c->e)) != ST_OK)
+    if (st != ST_OK ||
+        (st = store_token_revoke(c->store, c->actor, id, &c->e)) != ST_OK ||
+        (st = store_token_get(c->store, c->actor, id, &t, &c->e)) != ST_OK)
         return st;
     json_text(c->out, "id", id);
+    json_text(c->out, "name", t.name);
     json_flag(c->out, "revoked", true);
-    ctl_say(c, "revoked %s\n", id);
+    ctl_say(c, "revoked %s (%s)\n", t.name, id);
     return ST_OK;
 }
 

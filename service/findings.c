@@ -42,10 +42,29 @@ void findings_describe(struct json *j, const struct finding *f)
     json_text(j, "do", f->todo[0] != '\0' ? f->todo : NULL);
 }
 
+#define GROUPED 32
+
+/* Writes n as it is read: "100,286". */
+static const char *grouped(char out[GROUPED], size_t n)
+{
+    char *p = out + GROUPED;
+    int digits = 0;
+
+    *--p = '\0';
+    do {
+        if (digits > 0 && digits % 3 == 0)
+            *--p = ',';
+        *--p = (char)('0' + n % 10);
+        digits++;
+    } while ((n /= 10) > 0);
+    return p;
+}
+
 static void look_at_templates(struct findings *x, struct store *s)
 {
     struct store_stats all;
     struct errinfo e;
+    char some[GROUPED], of[GROUPED];
     size_t others = 0;
     enum status st = store_stats(s, false, &all, &e);
 
@@ -56,12 +75,11 @@ static void look_at_templates(struct findings *x, struct store *s)
     else if (others > 0)
         findings_say(x, FINDINGS_ERROR, "templates",
                      "surfacectl template reencode, or name their model with --model",
-                     "%llu of %llu were made by another engine than %s",
-                     (unsigned long long)others, (unsigned long long)all.templates,
-                     store_made_by(s));
+                     "%s of %s were made by another engine than %s",
+                     grouped(some, others), grouped(of, all.templates), store_made_by(s));
     else
-        findings_say(x, FINDINGS_OK, "templates", "", "%llu, made by this engine",
-                     (unsigned long long)all.templates);
+        findings_say(x, FINDINGS_OK, "templates", "", "%s, made by this engine",
+                     grouped(of, all.templates));
 }
 
 static void look_at_tokens(struct findings *x, struct store *s)
@@ -93,7 +111,8 @@ static void look_at_token(struct findings *x, const struct store_attempts *a, si
                           size_t i)
 {
     const char *token = a[i].token;
-    unsigned tried = 0;
+    char text[GROUPED];
+    size_t tried = 0;
 
     for (size_t j = 0; j < n; j++)
         if (a[j].age_ms < STORE_FAILED_MS && strcmp(a[j].token, token) == 0) {
@@ -105,14 +124,15 @@ static void look_at_token(struct findings *x, const struct store_attempts *a, si
         findings_say(
             x, FINDINGS_WARNING, "attempts",
             "find out who uses it: surfacectl audit show, attempts list; token revoke ends it",
-            "token %s tried %u subjects without a match within a day",
-            token[0] != '\0' ? token : "(none)", tried);
+            "token %s tried %s subjects without a match within a day",
+            token[0] != '\0' ? token : "(none)", grouped(text, tried));
 }
 
 static void look_at_attempts(struct findings *x, struct store *s)
 {
     struct store_attempts *a = NULL;
     struct errinfo e;
+    char text[GROUPED];
     size_t n = 0, locked = 0;
 
     if (store_attempts_list(s, &a, &n, &e) != ST_OK) {
@@ -126,8 +146,8 @@ static void look_at_attempts(struct findings *x, struct store *s)
     }
     if (locked > 0)
         findings_say(x, FINDINGS_WARNING, "attempts", "see surfacectl attempts list",
-                     "%zu times in the last day %d verifications or more in a row failed",
-                     locked, MANY_FAILURES);
+                     "%s times in the last day %d verifications or more in a row failed",
+                     grouped(text, locked), MANY_FAILURES);
     free(a);
 }
 

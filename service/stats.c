@@ -18,12 +18,20 @@ static void describe_counts(struct json *j, const struct store_stats *all)
     json_close(j);
 }
 
+/* The model's own calibration names neither an interval nor the comparisons that it was made from: null. */
 static void describe_in_force(struct json *j, const struct store_calibration *k)
 {
+    const double none = (double)NAN;
+
     json_object(j, "calibration");
     json_text(j, "source", k->shipped ? "shipped" : "calibrated");
-    json_rate(j, "fmr", k->shipped ? (double)NAN : k->fmr);
+    json_rate(j, "fmr", k->shipped ? none : k->fmr);
     json_text(j, "made_at", k->shipped ? NULL : k->created);
+    json_score(j, "low", k->shipped ? none : k->low);
+    json_score(j, "high", k->shipped ? none : k->high);
+    json_number(j, "subjects", k->shipped ? none : (double)k->subjects);
+    json_number(j, "non_mated", k->shipped ? none : (double)k->impostors);
+    json_number(j, "mated", k->shipped ? none : (double)k->genuine);
     show_calibration(j, &k->table);
     json_close(j);
 }

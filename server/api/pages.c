@@ -20,6 +20,7 @@
 #include "console_dom_js.h"
 #include "console_enroll_js.h"
 #include "console_glb_js.h"
+#include "console_groups_js.h"
 #include "console_health_js.h"
 #include "console_icon_svg.h"
 #include "console_identify_js.h"
@@ -85,6 +86,7 @@ static struct page {
     PAGE("/console/dom.js", JAVASCRIPT, console_dom_js),
     PAGE("/console/enroll.js", JAVASCRIPT, console_enroll_js),
     PAGE("/console/glb.js", JAVASCRIPT, console_glb_js),
+    PAGE("/console/groups.js", JAVASCRIPT, console_groups_js),
     PAGE("/console/health.js", JAVASCRIPT, console_health_js),
     PAGE("/console/identify.js", JAVASCRIPT, console_identify_js),
     PAGE("/console/live.js", JAVASCRIPT, console_live_js),

@@ -1,12 +1,14 @@
 // api.js -- requests to the daemon that served this page.  The token is in memory alone: it is gone
 // with the page and on locking.
 
+import { reason } from "./dom.js";
+
 let token = null;
 
 /** What the daemon refused, in its own words: RFC 9457. */
 export class Refusal extends Error {
   constructor(status, problem, wait) {
-    super(problem.detail ?? problem.title ?? `the daemon responded ${status}`);
+    super(problem.detail ? reason(problem.detail) : problem.title ?? `the daemon responded ${status}`);
     const { code = "", frames, templates } = problem;
     Object.assign(this, { status, code, frames, templates, wait });
   }

@@ -17,16 +17,23 @@ function effect(all, from, to) {
   return n > 0 && to !== from && ` Of the ${count(n)} scans of the last ${many(all.length, "week")}, ${k ? `about ${count(k)}` : "none"} ${to > from ? "fewer" : "more"} would have passed.`;
 }
 
+const interval = (c) => `${plain(c.low, 1)} to ${plain(c.high, 1)}`;
+
+/** What the threshold was learned from, in words. */
+const learned = (c) => el("p.dim", {}, `Learned from scans of ${many(c.subjects, "person", "people")}: ${many(c.non_mated, "comparison")} of two of them set the threshold. `,
+  c.mated ? `${many(c.mated, "comparison")} of one person's scans showed how often the right one is refused. ` : "There were no two scans of one person, so how often the right one is refused is not known. ",
+  `Of other people like these, the threshold for the same rate would lie between ${plain(c.low, 1)} and ${plain(c.high, 1)} in 95 of 100 cases: the grey band.`);
+
 /** Rates downwards by powers of ten, scores to the right; a line that is moved to ask "what if". */
 function curve(c, all) {
   const W = chartWidth(), H = 260, left = 96, bottom = 28, top = 24, right = 16;
-  const low = Math.max(-40, Math.min(c.knots[0].score, 0)), high = Math.max(c.knots.at(-1).score, c.threshold + 8);
+  const low = Math.max(-40, Math.min(c.knots[0].score, c.low ?? 0, 0)), high = Math.max(c.knots.at(-1).score, c.high ?? 0, c.threshold + 8);
   const least = Math.floor(Math.log10(Math.min(...c.knots.map((k) => k.rate))));
   const x = (s) => left + ((s - low) / (high - low)) * (W - left - right);
   const y = (r) => top + (Math.log10(Math.max(r, 10 ** least)) / least) * (H - top - bottom);
   const text = (at, up, what, anchor = "middle", kind = "") => svg("text", { x: at, y: up, "text-anchor": anchor, class: kind }, what);
   const out = svg("svg", { viewBox: `0 0 ${W} ${H}`, class: "chart", role: "img",
-    "aria-label": `At the threshold of ${plain(c.threshold, 1)}, ${oneIn(shareAbove(c.knots, c.threshold), c.knots.at(-1).rate)} other people match.` });
+    "aria-label": `At the threshold of ${plain(c.threshold, 1)}${c.low === null ? "" : ` (95 % interval ${interval(c)})`}, ${oneIn(shareAbove(c.knots, c.threshold), c.knots.at(-1).rate)} other people match.` });
   for (let p = 0; p >= least; p--)
     out.append(svg("line", { x1: left, x2: W - right, y1: y(10 ** p), y2: y(10 ** p), class: "grid" }),
       text(left - 8, y(10 ** p) + 4, p === 0 ? "all" : `1 in ${count(10 ** -p)}`, "end"));
@@ -35,6 +42,7 @@ function curve(c, all) {
   const line = (from, to, kind) => svg("polyline", { class: kind, points: Array.from({ length: 121 }, (_, i) => from + ((to - from) * i) / 120)
     .map((s) => `${x(s).toFixed(1)},${y(shareAbove(c.knots, s)).toFixed(1)}`).join(" ") });
   out.append(svg("rect", { x: x(c.threshold), y: top, width: W - right - x(c.threshold), height: H - top - bottom, class: "match" }),
+    ...(c.low === null ? [] : [svg("rect", { x: x(Math.max(low, c.low)), y: top, width: x(c.high) - x(Math.max(low, c.low)), height: H - top - bottom, class: "interval" })]),
     line(low, last, "curve"), line(last, high, "curve beyond"),
     svg("line", { x1: x(c.threshold), x2: x(c.threshold), y1: top - 6, y2: H - bottom, class: "limit" }),
     text(x(c.threshold), 12, `threshold ${plain(c.threshold, 1)}`, "middle", "strong"));
@@ -120,9 +128,9 @@ export function openCalibration(body) {
             : [el("p.dim", {}, "No verification so far. A histogram a day is kept, of the scores alone: it names nobody.")]))),
       el("div.side", {},
         el("section.card", {}, el("h2", {}, "In force"), el("dl.facts", {}, pairs([
-          ["Threshold", plain(c.threshold, 1)], ["Other people match", oneIn(shareAbove(c.knots, c.threshold), c.knots.at(-1).rate).replace(/^about /, "")], ["From", c.source === "shipped" ? "the model, as shipped" : "scans of your own"],
+          ["Threshold", plain(c.threshold, 1)], c.low !== null && ["95 % interval", interval(c)], ["Other people match", oneIn(shareAbove(c.knots, c.threshold), c.knots.at(-1).rate).replace(/^about /, "")], ["From", c.source === "shipped" ? "the model, as shipped" : "scans of your own"],
           c.made_at && ["Made", day(c.made_at)]])),
-          el("p.dim", {}, "A score at or above the threshold is a match.")),
+          el("p.dim", {}, "A score at or above the threshold is a match."), c.low !== null && learned(c)),
         el("section.card", {}, el("h2", {}, "Does it still fit?"),
           el("p", {}, "The green hill should stay well to the right of the threshold, week after week. If it moves to the left, ",
             "scanners or people have changed: look at the quality of new scans, and calibrate anew with scans of your own."),

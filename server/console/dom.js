@@ -105,7 +105,10 @@ export function span(s) {
 }
 
 /** One of them, or many: "1 template", "2 templates". */
-export const many = (n, what) => `${count(n)} ${what}${n === 1 ? "" : "s"}`;
+export const many = (n, one, others = `${one}s`) => `${count(n)} ${n === 1 ? one : others}`;
+
+/** A reason in the daemon's words, without its name of the only scan, "points: no face", and with the page's name of one of two. */
+export const reason = (text) => text.replace(/^points: ./, (start) => start.at(-1).toUpperCase()).replace(/^([ab])(\.points)?: /, (_, which) => `Scan ${which.toUpperCase()}: `);
 
 /** A rate of false matches in words: "about 1 in 17 million".  least: the lowest that the evaluation supports. */
 export function oneIn(rate, least = 0) {

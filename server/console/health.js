@@ -19,7 +19,7 @@ export function open(main, who, asked) {
   main.replaceChildren(el("header", {}, el("h1", {}, "Health"), actions),
     el("div.stack", {}, choices("Health", tabs, tab, at), body));
   body.append(waiting());
-  return { "": openNow, tokens: openTokens, calibration: openCalibration }[tab](body, who, actions);
+  return { "": openNow, tokens: openTokens, calibration: openCalibration }[tab](body, who, actions, asked);
 }
 
 const tile = (value, title, note) => el("section.card.tile", {}, el("h2", {}, title), el("p.figure", {}, value), el("p.dim", {}, note));

@@ -1,13 +1,15 @@
 // people.js -- who is enrolled: found by a part of the id and by state.
 
 import { get, query } from "./api.js";
-import { count, day, el, icon, save, when } from "./dom.js";
+import { count, day, el, icon, many, save, when } from "./dom.js";
 import { enroll } from "./enroll.js";
+import { openGroups } from "./groups.js";
 import { openPerson } from "./person.js";
 import { droppable } from "./slot.js";
 import { choices, failed, groupLinks, meter, personAt, state, table, waiting } from "./widgets.js";
 import { personStates } from "./words.js";
 
+const TABS = [["", "List"], ["groups", "Groups"]];
 const STATES = [["", "All"], ["active", "Active"], ["ending", "Ending soon"], ["expired", "Expired"], ["disabled", "Disabled"], ["hold", "On hold"],
   ["locked", "Locked out"], ["no_consent", "No consent"]];
 
@@ -24,6 +26,12 @@ let listed = "#people"; // the list that was looked at last, which a person's pa
 export function open(main, who, asked) {
   if (!who.scopes.includes("read")) return openDesk(main, who);
   if (asked.get("subject") !== null) return openPerson(main, who, asked.get("subject"), listed);
+  const tab = asked.get("tab") === "groups" ? "groups" : "", tabs = choices("People", TABS, tab, (name) => `#people${query({ tab: name })}`);
+  if (tab) {
+    const body = el("div.stack");
+    main.replaceChildren(el("header", {}, el("h1", {}, "People"), tabs), body);
+    return openGroups(body, who);
+  }
 
   let q = asked.get("q") ?? "", group = asked.get("group"), filter = asked.get("state") ?? "", order = asked.get("order") ?? "", cursor = null, shown = [], stop = null, timer = 0;
   const here = (filter) => `#people${query({ q, state: filter, group, order })}`;
@@ -76,7 +84,7 @@ export function open(main, who, asked) {
     else list.set(sorted());
     list.element.hidden = !shown.length;
     more.hidden = all.hidden = cursor === null;
-    const n = `${count(shown.length)} ${shown.length === 1 ? "person" : "people"}`;
+    const n = many(shown.length, "person", "people");
     status.textContent = cursor !== null ? (shown.length ? `${n} ${order ? "ordered" : "shown"}, there are more.` : "Nobody like that so far, and there are more to look at.")
       : shown.length ? `${n}.` : q || filter || group ? "Nobody like that." : "Nobody is enrolled yet.";
   }
@@ -122,7 +130,7 @@ export function open(main, who, asked) {
 
   const begin = (_, files = []) => enroll({ who, files: [...files], done: () => load(true) });
   main.replaceChildren(
-    el("header", {}, el("h1", {}, "People"), el("span.search", {}, icon("search"), search), by,
+    el("header", {}, el("h1", {}, "People"), tabs, el("span.search", {}, icon("search"), search), by,
       el("button", { type: "button", "aria-label": "Save as CSV", onclick: saveAll }, icon("save"), "CSV"),
       who.scopes.includes("enroll") && el("button.primary", { type: "button", onclick: () => begin() }, icon("plus"), "Enroll")),
     el("div.stack", who.scopes.includes("enroll") ? droppable(begin) : {}, nav,

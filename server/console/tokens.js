@@ -29,7 +29,8 @@ function show(d, t) {
   d.body.querySelector("button.primary").focus();
 }
 
-export function openTokens(body, who, actions) {
+export function openTokens(body, who, actions, asked) {
+  const group = asked.get("group");
   const problem = el("p.error", { role: "alert" });
   let done = false;
   const list = table("Tokens", [
@@ -51,8 +52,10 @@ export function openTokens(body, who, actions) {
       const { tokens } = await get("/v1/tokens");
       if (done) return;
       const ended = (t) => Boolean(t.revoked_at);
-      list.set([...tokens.filter((t) => !ended(t)), ...tokens.filter(ended)]);
-      refill(body, list.element, problem);
+      const shown = tokens.filter((t) => group === null || t.groups.includes(group));
+      list.set([...shown.filter((t) => !ended(t)), ...shown.filter(ended)]);
+      refill(body, ...[group !== null && el("p.row", {}, "Bound to the group ", el("strong", {}, group), el("a", { href: "#health?tab=tokens" }, "Show all")),
+        shown.length ? list.element : el("p", {}, "No token is."), problem].filter(Boolean));
     } catch (e) {
       if (!done) body.replaceChildren(failed(e, load));
     }
@@ -80,7 +83,7 @@ export function openTokens(body, who, actions) {
     const ends = el("input", { type: "date", required: true, value: new Date(Date.now() + 365 * 86400e3).toISOString().slice(0, 10) });
     const boxes = who.scopes.map((s) => el("input", { type: "checkbox", name: "scope", value: s, onchange: () => (button.disabled = !boxes.some((b) => b.checked)) }));
     const groups = groupsField(who.groups.length ? `One or more of ${who.groups.join(", ")}`
-      : "Nobody else exists for the token; it cannot have audit. Empty: all people", who.groups);
+      : "Nobody else exists for the token; it cannot have audit. Empty: all people", group !== null ? [group] : who.groups);
     const button = el("button.primary", { type: "submit", disabled: true }, "Make it");
     d.body.append(el("form", { onsubmit: async (e) => {
       e.preventDefault();

@@ -1,7 +1,7 @@
 // verdict.js -- a decision and what goes with it: cards with the word, the score on a gauge, what each
 // region adds, advice, figures.
 
-import { count, el, icon, mm, oneIn, percent, plain, signed, svg } from "./dom.js";
+import { count, el, icon, mm, oneIn, percent, plain, reason, signed, svg } from "./dom.js";
 
 export const VERDICTS = {
   match: { icon: "yes", kind: "ok", title: "Same face" },
@@ -83,7 +83,7 @@ export function checked(r, verifying, ...rest) {
     ? ["ok", "yes", verifying ? "Good to verify" : "Good to enroll", r.enrollable ? "The face is whole, sharp and turned to the scanner." : "It is good enough for that, though not to enroll."]
     : r.usable && r.code === "not_a_face" ? ["no", "no", "Hardly a face",
       "What was scanned does not have the shape of a face, or too little of one is seen. A verification takes such a scan, but hardly any fits."]
-    : r.usable ? ["unsure", "unsure", "Good to verify, not to enroll", r.detail] : ["no", "no", "Not usable", r.detail];
+    : r.usable ? ["unsure", "unsure", "Good to verify, not to enroll", reason(r.detail)] : ["no", "no", "Not usable", reason(r.detail)];
   return verdict(kind, iconName, title, el("p", {}, text), ...rest);
 }
 

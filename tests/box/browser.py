@@ -216,8 +216,8 @@ def send(path, name):
         return api("POST", path, f.read(), kind="model/ply")[0]
 
 
-def token(name, scopes):
-    return api("POST", "/v1/tokens", {"name": name, "scopes": scopes})[1]
+def token(name, scopes, groups=()):
+    return api("POST", "/v1/tokens", {"name": name, "scopes": scopes, "groups": list(groups)})[1]
 
 
 def saved(name, seconds=10):

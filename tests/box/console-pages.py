@@ -1,7 +1,8 @@
-"""The console's pages where a person is stopped, in a real browser: see browser.py.  The last argument is the
-daemon's process, which is stopped and goes on."""
+"""The console's pages where a person is stopped, in a real browser: see browser.py.  The last arguments
+are the daemon's process, which is stopped and goes on, and the command for its database."""
 import os
 import signal
+import subprocess
 import sys
 import time
 
@@ -10,7 +11,7 @@ from selenium.webdriver.common.keys import Keys
 
 from browser import *
 
-DAEMON = int(sys.argv[4])
+DAEMON, COMMAND = int(sys.argv[4]), sys.argv[5].split()
 
 
 def file_at(name):
@@ -71,7 +72,9 @@ def test_formats(d):
         some("%s is read" % name, d, "dialog .verdict h2", "Good to enroll")
     press(d, Keys.ESCAPE)
     for page in ("identify", "people"):
+        check("the dialog is closed", wait(d, lambda _: not d.find_elements(By.TAG_NAME, "dialog")))
         go(d, page)
+        one(d, "main h1", page.capitalize())
         if page == "people":
             one(d, "main button", "Enroll").click()
         give(d, file_at("depth.png"))
@@ -85,6 +88,20 @@ def test_formats(d):
         check("another file has none", wait(d, lambda _: not d.find_element(By.CSS_SELECTOR, ".camera").is_displayed()))
         some("and is read", d, ".verdict h2", "Good to enroll" if page == "people" else "Nobody")
     press(d, Keys.ESCAPE)
+
+
+def test_words(d):
+    """A reason of the daemon's reads as words, without its name of the scan."""
+    with open(os.path.join(FOLDER, "few.ply"), "w", encoding="ascii") as f:
+        f.write("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n")
+    unlock(d, ALL)
+    slots = wait(d, lambda _: d.find_elements(By.CSS_SELECTOR, "main .slot input[type=file]"))
+    slots[0].send_keys(os.path.join(FOLDER, "few.ply"))
+    some("of one scan", d, ".verdict p", "3 points, fewer than")
+    check("without a name before it", not d.find_element(By.CSS_SELECTOR, ".verdict p").text.startswith("points"))
+    slots = wait(d, lambda _: d.find_elements(By.CSS_SELECTOR, "main .slot input[type=file]"))
+    slots[1].send_keys(os.path.join(FOLDER, "a.ply"))
+    some("of two it says which", d, ".verdict p", "Scan A: 3 points, fewer than")
 
 
 def test_id(d):
@@ -206,9 +223,71 @@ def test_health(d):
     some("beyond the table there is no rate", d, "output", "fewer than 1 in")
 
 
+def test_groups(d):
+    """The groups in use, a way to the people and to the tokens of each; of a token that is bound to groups, its own alone."""
+    for subject, groups in (("g-1", ["door-3", "night"]), ("g-2", ["door-3"]), ("g-3", ["night"])):
+        api("POST", "/v1/subjects", {"subject": subject, "groups": groups})
+    api("POST", "/v1/tokens", {"name": "door three", "scopes": ["verify"], "groups": ["door-3"]})
+    api("POST", "/v1/tokens", {"name": "nobody yet", "scopes": ["verify"], "groups": ["visitors"]})
+    ended = api("POST", "/v1/tokens", {"name": "was of door three", "scopes": ["verify"], "groups": ["door-3"]})[1]
+    api("DELETE", "/v1/tokens/" + ended["id"])
+    rows = lambda: [[e.text for e in tr.find_elements(By.CSS_SELECTOR, "th, td")] for tr in d.find_elements(By.CSS_SELECTOR, "tbody tr")]
+    unlock(d, ALL, "people")
+    d.execute_script("arguments[0].focus()", one(d, ".choices a", "Groups"))
+    press(d, Keys.ENTER)
+    some("the groups", d, "tbody th", "door-3")
+    check("with their people and valid tokens", all(r in rows() for r in (["door-3", "2", "1"], ["night", "2", "none"], ["visitors", "none", "1"])), rows())
+    some("how many are in none", d, "main p", "people. Only a token that is bound to no group sees them")
+    d.execute_script("arguments[0].focus()", one(d, "[aria-label='2 in the group door-3']"))
+    press(d, Keys.ENTER)
+    check("to its people", wait(d, lambda _: texts(d, "tbody th") == ["g-1", "g-2"]), texts(d, "tbody th"))
+    go(d, "people?tab=groups")
+    d.execute_script("arguments[0].focus()", one(d, "[aria-label='1 bound to the group door-3']"))
+    press(d, Keys.ENTER)
+    check("to its tokens, the valid first", wait(d, lambda _: texts(d, "tbody th") == ["door three", "was of door three"]), texts(d, "tbody th"))
+    one(d, "main button", "Make a token").click()
+    is_("a new one is of the group", wait(d, lambda _: one(d, "dialog input[placeholder^=door-3]").get_property("value")), "door-3")
+    press(d, Keys.ESCAPE)
+
+    unlock(d, token("narrow", ["read", "manage", "tokens", "verify"], groups=["door-3", "empty"])["secret"], "people?tab=groups")
+    some("a bound token", d, "main p", "sees these, and their people, alone")
+    is_("its groups alone, also one without people", rows(), [["door-3", "2", "2"], ["empty", "none", "1"]])
+    go(d, "people?subject=g-1")
+    some("a person has no other", d, "section .chip", "door-3")
+    is_("of them", texts(d, "section .chips .chip"), ["door-3"])
+    d.execute_script("arguments[0].focus()", one(d, "[aria-label='Change the groups']"))
+    press(d, Keys.ENTER)
+    field = one(d, "dialog input[type=text]")
+    field.send_keys(Keys.CONTROL + "a")
+    press(d, *"night", Keys.ENTER)
+    some("it gives its own alone", d, "dialog .error", "bound to groups")
+    field.send_keys(Keys.CONTROL + "a")
+    press(d, *"empty", Keys.ENTER)
+    check("which is done", wait(d, lambda _: not d.find_elements(By.TAG_NAME, "dialog") and texts(d, "section .chips .chip") == ["empty"]), texts(d, "section .chip"))
+    is_("and the others stay", sorted(api("GET", "/v1/subjects/g-1")[1]["groups"]), ["empty", "night"])
+    go(d, "health?tab=tokens")
+    d.execute_script("arguments[0].focus()", one(d, "main button", "Make a token"))
+    press(d, Keys.ENTER)
+    one(d, "dialog input[type=text]")
+    press(d, *"of night")
+    d.execute_script("arguments[0].focus()", one(d, "dialog [name=scope][value=verify]"))
+    press(d, Keys.SPACE)
+    field = one(d, "dialog input[placeholder^=door-3]")
+    is_("its groups are given", field.get_property("value"), "door-3, empty")
+    field.clear()
+    field.send_keys("night" + Keys.ENTER)
+    some("a token of another group is refused", d, "dialog .error", "bound to groups")
+    field.clear()
+    field.send_keys("door-3" + Keys.ENTER)
+    some("one of its own is made", d, "dialog code.shown")
+    press(d, Keys.ESCAPE)
+    some("and is in the list", d, "tbody th", "of night")
+    quiet("groups", d)
+
+
 def test_gone(d):
     """A daemon that does not answer: something is shown, and a button tries again."""
-    pages = (("people", "tbody th"), ("people?subject=before", ".verdict h2"), ("audit", "tbody tr"), ("health", ".tile"),
+    pages = (("people", "tbody th"), ("people?tab=groups", "tbody th"), ("people?subject=before", ".verdict h2"), ("audit", "tbody tr"), ("health", ".tile"),
              ("health?tab=tokens", "tbody tr"), ("health?tab=calibration", "output"))
     for page, there in pages:
         unlock(d, ALL, page)
@@ -246,7 +325,7 @@ def test_upload(d):
     check("until it was", wait(d, lambda _: not d.find_element(By.CSS_SELECTOR, ".sending").is_displayed()))
 
 
-PAGES = (("people", "tbody th"), ("people?subject=locked", ".verdict h2"), ("audit", "tbody tr"), ("health", ".tile"),
+PAGES = (("people", "tbody th"), ("people?tab=groups", "tbody th"), ("people?subject=locked", ".verdict h2"), ("audit", "tbody tr"), ("health", ".tile"),
          ("health?tab=tokens", "tbody tr"), ("health?tab=calibration", "output"))
 
 OVER = """return [...document.querySelectorAll("main *")].filter((e) => e.checkVisibility() && !e.closest("svg, .sr, thead, pre") &&
@@ -311,5 +390,35 @@ def test_focus(d):
     quiet("focus", d)
 
 
-run(browser(), test_landing, test_reload, test_formats, test_id, test_states, test_zones, test_erased, test_back, test_people, test_health, test_gone,
-    test_upload, test_narrow, test_print, test_forced, test_focus)
+def test_calibrated(d):
+    """What a calibration of one's own was learned from, in words; the interval of its threshold, also as a band."""
+    unlock(d, ALL, "health?tab=calibration")
+    one(d, ".chart .curve")
+    is_("of the shipped one there is none", d.find_elements(By.CSS_SELECTOR, ".chart .interval"), [])
+    for i in range(1, 13):
+        is_("enrolled", send("/v1/subjects/learn-%d/templates" % i, "s%d.ply" % i), 201)
+    subprocess.run(COMMAND + ["calibrate", "--fmr", "0.05", "--yes"], check=True, stdout=subprocess.DEVNULL)
+    c = api("GET", "/v1/stats")[1]["calibration"]
+    check("the interval holds the threshold", c["low"] <= c["threshold"] <= c["high"], c)
+    press(d, Keys.F5)
+    some("in words", d, ".side p", "Learned from scans of %d people" % c["subjects"])
+    some("the comparisons", d, ".side p", "%s comparisons of two of them" % format(c["non_mated"], ","))
+    some("the interval", d, ".side dd", ("%.1f to %.1f" % (c["low"], c["high"])).replace("-", "−"))
+    band, at = (d.execute_script("const b = document.querySelector(arguments[0]).getBBox(); return [b.x, b.x + b.width]", ".chart ." + e) for e in ("interval", "limit"))
+    check("a band about the threshold", band[0] <= at[0] <= band[1] and band[0] < band[1], (band, at))
+    for width in (1280, 360):
+        for dark in (True, False):
+            look(d, width, dark)
+            go(d, "try")
+            go(d, "health?tab=calibration")
+            one(d, ".chart .interval")
+            title = "pages-calibrated-%d-%s" % (width, "dark" if dark else "light")
+            is_(title + ": nothing is wider than the screen", d.execute_script("return document.documentElement.scrollWidth"), width)
+            contrast(title, d)
+            d.save_screenshot(os.path.join(FOLDER, title + ".png"))
+    look(d, 1280, True)
+    quiet("calibrated", d)
+
+
+run(browser(), test_landing, test_reload, test_formats, test_words, test_id, test_states, test_zones, test_erased, test_back, test_people, test_groups, test_health, test_gone,
+    test_upload, test_narrow, test_print, test_forced, test_focus, test_calibrated)

@@ -9,7 +9,9 @@ scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a2.ply" --pose 8 --shift 10
 scan 2 0 "$T/other.ply"
 "$BUILD/surfacelab" simplify "$T/a2.ply" --tolerance 0.0005 -o "$T/mesh.ply" >/dev/null
+for i in 1 2 3 4 5 6 7 8 9 10 11 12; do scan $i 0 "$T/s$i.ply" --points 1500; done
 mkdir "$T/in"
 python3 tests/box/formats.py "$T/mesh.ply" "$T/in" || exit 1
-browser_tests 60 tests/box/console-pages.py "$URL" "$T" "$(new_token console)" "$PID"
+browser_tests 60 tests/box/console-pages.py "$URL" "$T" "$(new_token console)" "$PID" \
+    "$BUILD/surfacectl --db $DB"
 finish

@@ -66,6 +66,10 @@ is "nothing is stored" "$(said '.calibrations | length')" 0
 ctl calibrate --fmr 0.05 --yes
 is "stored" "$CODE $(said '[.stored, .version] | @csv')" "0 true,1"
 threshold=$(said .threshold)
+rests='[.low, .high, .subjects, .non_mated, .mated] | @csv'
+known=$(said "$rests")
+req GET /v1/stats
+is "the daemon tells what it rests on" "$(get ".calibration | $rests")" "$known"
 # near NUMBER: it is the threshold, rounded up or not
 # shellcheck disable=SC2016,SC2317 # the variables are jq's; ok calls it
 near() { jq_true -n --argjson a "$1" --argjson b "$threshold" '$a - $b | fabs < 0.0101'; }

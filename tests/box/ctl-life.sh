@@ -87,8 +87,11 @@ expect 65 "which of them" "$ctl" token revoke 'front door'
 has err '2 tokens have this name.*: [0-9a-f]\{32\} [0-9a-f]\{32\}$'
 token=$(awk '{ print $NF }' err)
 expect 0 "by its id" "$ctl" token revoke "$token"
+has out "^revoked front door ($token)\$"
 expect 0 "by its name" "$ctl" --json token rotate 'front door'
 ok "it is the other" [ -z "$(grep "$token" out)" ]
+expect 0 "in words" "$ctl" token rotate 'front door'
+has err '^token front door ([0-9a-f]\{32\}) for read, valid until'
 expect 0 "revoke it" "$ctl" token revoke 'front door'
 expect 66 "none is left" "$ctl" token revoke 'front door'
 expect 0 "list revoked" "$ctl" token list --json

@@ -57,6 +57,11 @@ sql "INSERT INTO attempts SELECT subject_key, 'thief', 4, 1000 * unixepoch(), 12
 doctor
 is "failures are no trouble" "$CODE" 0
 finds "a lock-out" warning attempts '^1 times in the last day'
+sql "DELETE FROM attempts; INSERT INTO attempts
+    SELECT subject_key, 'thief ' || value, 4, 1000 * unixepoch(), 12 FROM subjects, generate_series(1, 1204) LIMIT 1204"
+doctor
+finds "large numbers, to be read" warning attempts '^1,204 times in the last day'
+sql "DELETE FROM attempts"
 i=0
 while [ $i -lt 10 ]; do
     "$BUILD/surfacectl" --db "$DB" enroll "tried-$i" "$T/s1.ply" >"$T/text"

@@ -208,7 +208,8 @@ req GET /v1/stats
 cp "$T/body" "$T/stats"
 is "counts" "$(get '.counts | [.subjects, .templates, .tokens, .devices] | tojson')" "$(sql "SELECT json_array(
     (SELECT count(*) FROM subjects), (SELECT count(*) FROM templates), (SELECT count(*) FROM tokens), 0)")"
-is "calibration" "$(get '.calibration | [.source, .fmr, .made_at, .threshold, (.knots | length > 3)] | tojson')" '["shipped",null,null,8,true]'
+is "calibration" "$(get '.calibration | [.source, .fmr, .made_at, .low, .high, .subjects, .non_mated, .mated, .threshold,
+    (.knots | length > 3)] | tojson')" '["shipped",null,null,null,null,null,null,null,8,true]'
 is "what was decided" "$(get '.rates | [.verifications, .decisions.no_match, .enrollments, .refusals.unauthorized] | tojson')" '[3,3,1,2]'
 ok "times" jq_true '.latency_ms | .p50 > 0 and .p50 <= .p95 and .p95 <= .p99' "$T/stats"
 is "of no finding nothing is to be done" "$(get '[.findings[] | select(.severity == "ok") | .do] | unique | tojson')" '[null]'
