@@ -15,6 +15,7 @@ import urllib.request
 import zlib
 
 from selenium import webdriver
+from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
@@ -75,7 +76,23 @@ def one(driver, selector, text=None, seconds=40):
             if e.is_displayed() and (text is None or text in e.text):
                 return e
         return None
-    return wait(driver, found, seconds)
+    element = wait(driver, found, seconds)
+    if element is not None:
+        click_once = element.click
+
+        def click_again():
+            """Also if the page has drawn it anew since."""
+            try:
+                click_once()
+            except StaleElementReferenceException:
+                wait(driver, found, seconds).click()
+        element.click = click_again
+    return element
+
+
+def gone(driver, selector):
+    """True once nothing that the selector finds can be seen."""
+    return wait(driver, lambda d: not any(e.is_displayed() for e in d.find_elements(By.CSS_SELECTOR, selector))) is True
 
 
 def click(driver, selector):
