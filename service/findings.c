@@ -47,17 +47,17 @@ void findings_describe(struct json *j, const struct finding *f)
 /* Writes n as it is read: "100,286". */
 static const char *grouped(char out[GROUPED], size_t n)
 {
-    char *p = out + GROUPED;
+    size_t at = GROUPED - 1;
     int digits = 0;
 
-    *--p = '\0';
+    out[at] = '\0';
     do {
         if (digits > 0 && digits % 3 == 0)
-            *--p = ',';
-        *--p = (char)('0' + n % 10);
+            out[--at] = ',';
+        out[--at] = (char)('0' + n % 10);
         digits++;
     } while ((n /= 10) > 0);
-    return p;
+    return &out[at];
 }
 
 static void look_at_templates(struct findings *x, struct store *s)
