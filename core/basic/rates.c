@@ -380,22 +380,24 @@ static void drawn_det(const struct rates *r, const uint32_t *drawn, const double
         fnmr[k] = NAN;
 }
 
-enum status rates_bootstrap_det(const struct rates *r, const double *fmr, size_t m,
-                                unsigned replicates, uint64_t seed, double *low,
-                                double *high)
+/* What drawn_det() or drawn_rates() computes from a draw: m values at m places. */
+typedef void drawn_row(const struct rates *r, const uint32_t *drawn, const double *at,
+                       size_t m, double *out);
+
+/* The 95 % interval of each of the m values of a row. */
+static enum status bootstrap_row(const struct rates *r, drawn_row *row, const double *at,
+                                 size_t m, unsigned replicates, uint64_t seed,
+                                 double *low, double *high)
 {
     uint32_t *drawn = mem_array(r->nsubject + (size_t)1, sizeof *drawn);
     double *all = mem_array(m * replicates + 1, sizeof *all);
     double *one = mem_array(m + 1, sizeof *one);
-    enum status st = ST_OK;
+    const enum status st =
+        drawn != NULL && all != NULL && one != NULL ? ST_OK : ST_ENOMEM;
 
-    if (drawn == NULL || all == NULL || one == NULL)
-        st = ST_ENOMEM;
-    else if (replicates == 0)
-        st = ST_EINVAL;
     for (unsigned i = 0; i < replicates && st == ST_OK; i++) {
         draw_subjects(r, &seed, drawn);
-        drawn_det(r, drawn, fmr, m, one);
+        row(r, drawn, at, m, one);
         for (size_t k = 0; k < m; k++)
             all[k * replicates + i] = one[k];
     }
@@ -405,6 +407,15 @@ enum status rates_bootstrap_det(const struct rates *r, const double *fmr, size_t
     mem_free(all);
     mem_free(one);
     return st;
+}
+
+enum status rates_bootstrap_det(const struct rates *r, const double *fmr, size_t m,
+                                unsigned replicates, uint64_t seed, double *low,
+                                double *high)
+{
+    return replicates == 0
+               ? ST_EINVAL
+               : bootstrap_row(r, drawn_det, fmr, m, replicates, seed, low, high);
 }
 
 /* ---- a calibration */
@@ -478,31 +489,10 @@ static void drawn_rates(const struct rates *r, const uint32_t *drawn, const doub
         rate[k] /= sum;
 }
 
-/* The upper ends of the 95 % intervals of the FMR at each of m rising scores. */
-static enum status upper_rates(const struct rates *r, const double *score, size_t m,
-                               uint64_t seed, double *out)
-{
-    uint32_t *drawn = mem_array(r->nsubject + (size_t)1, sizeof *drawn);
-    double *all = mem_array(m * RATES_REPLICATES + 1, sizeof *all), rate[QUANTILES], low;
-    const enum status st = drawn != NULL && all != NULL ? ST_OK : ST_ENOMEM;
-
-    for (size_t i = 0; i < RATES_REPLICATES && st == ST_OK; i++) {
-        draw_subjects(r, &seed, drawn);
-        drawn_rates(r, drawn, score, m, rate);
-        for (size_t k = 0; k < m; k++)
-            all[k * RATES_REPLICATES + i] = rate[k];
-    }
-    for (size_t k = 0; k < m && st == ST_OK; k++)
-        interval(&all[k * RATES_REPLICATES], RATES_REPLICATES, &low, &out[k]);
-    mem_free(drawn);
-    mem_free(all);
-    return st;
-}
-
 enum status rates_extend(const struct rates *r, size_t pairs, uint64_t seed,
                          struct surface_calibration *c)
 {
-    double score[QUANTILES], rate[QUANTILES];
+    double score[QUANTILES], rate[QUANTILES], low[QUANTILES];
     double last = c->threshold;
     size_t m = 0;
     enum status st;
@@ -519,7 +509,8 @@ enum status rates_extend(const struct rates *r, size_t pairs, uint64_t seed,
         if (isfinite(at) && at > last)
             score[m++] = last = at;
     }
-    if ((st = upper_rates(r, score, m, seed, rate)) != ST_OK)
+    if ((st = bootstrap_row(r, drawn_rates, score, m, RATES_REPLICATES, seed, low,
+                            rate)) != ST_OK)
         return st;
     while (m > 0 && c->knot[c->n - 1].score > c->threshold &&
            c->knot[c->n - 1].rate <= rate[0])
