@@ -153,6 +153,7 @@ const OUTCOMES = {
 
 /** What an event says in a word, where its outcome does not. */
 const EVENTS = {
+  "identify no_match": { icon: "no", kind: "no", title: "Nobody found" },
   enroll_mismatch: { icon: "no", kind: "no", title: "Does not fit" },
   locked_out: { icon: "lock", kind: "unsure", title: "Locked out" },
   attempts_reset: { icon: "yes", kind: "note", title: "Lock-out ended" },
@@ -161,4 +162,4 @@ const EVENTS = {
 };
 
 /** Of an event, or of a decision by its name. */
-export const outcome = (e) => EVENTS[e.type] ?? OUTCOMES[e.outcome ?? e] ?? { icon: "warning", kind: "unsure", title: "Refused" };
+export const outcome = (e) => EVENTS[e.type] ?? EVENTS[`${e.type} ${e.outcome}`] ?? OUTCOMES[e.outcome ?? e] ?? { icon: "warning", kind: "unsure", title: "Refused" };

@@ -397,6 +397,7 @@ def test_identify(d):
     some("who was listed is in the log", d, "tbody tr", "Listed as a candidate")
     go(d, "live")
     some("and it is live", d, "tbody tr", "Nobody who was searched is alike enough")
+    some("in a word, too", d, "tbody tr", "Nobody found")
     unlock(d, token("hall", ["identify"])["secret"], "identify")
     give("a2.ply")
     some("a token with identify alone", d, ".verdict.no h2", "Nobody who was searched")
