@@ -69,7 +69,7 @@ enum status templates_read(struct templates_context *c, const struct templates_o
     *out =
         (struct templates){.context = c, .token = ask->token != NULL ? ask->token : ""};
     st = store_snapshot_begin(c->store, &what, &out->of, e);
-    if (st == ST_OK)
+    if (st == ST_OK && !ask->regardless)
         st = admit(ask->limits, out, e);
     for (size_t i = 0; st == ST_OK && i < out->of.n; i++)
         st = take_face(out, i, e);
@@ -260,6 +260,27 @@ enum status templates_nearest(struct templates *t, bool fit,
     const enum status st = templates_compare(t, fit, probe, out, e);
 
     return st == ST_OK ? templates_doubt(t, probe, out, e) : st;
+}
+
+enum status templates_pair(struct templates *t, size_t i, size_t k,
+                           struct surface_comparison *out, struct errinfo *e)
+{
+    struct templates_nearest of = {.index = i, .compared = 1};
+    enum status st =
+        status_from(surface_compare(t->context->work, t->face[i], t->face[k], out));
+
+    of.result = *out;
+    if (st == ST_EINVAL ||
+        (out->decision == SURFACE_NO_MATCH && out->score < SURFACE_DOUBT)) {
+        if ((st = need_surface(t, k, e)) == ST_OK)
+            st = compare_one(t, i, t->face[k], &of.result, e);
+    } else if (st != ST_OK) {
+        st = errinfo_set(e, st, "template %s: %s", t->of.t[i].id, status_message(st));
+    }
+    if (st == ST_OK)
+        st = look_again(t, t->face[k], &of, e);
+    *out = of.result;
+    return st;
 }
 
 enum status templates_judge(const struct templates_nearest *n, struct errinfo *e)

@@ -31,6 +31,8 @@ struct templates_of {
     const char *template_id;           /* id of the template, the only one that is read */
     const char *token;                 /* token whose failed attempts count; NULL: "" */
     const struct store_limits *limits; /* limits of attempts; NULL: no limits */
+    /* Also admit a disabled or expired subject: nobody is verified or enrolled. */
+    bool regardless;
 };
 
 enum templates_admit { TEMPLATES_ADMITTED, TEMPLATES_DISABLED, TEMPLATES_EXPIRED };
@@ -104,6 +106,11 @@ enum status templates_doubt(struct templates *t, const struct surface_face *prob
 enum status templates_nearest(struct templates *t, bool fit,
                               const struct surface_face *probe,
                               struct templates_nearest *out, struct errinfo *e);
+
+/* templates_pair(t, i, k, out, e): Compares the face of template k, as a probe, with template i alone, as
+ * templates_nearest() would.  Neither face is NULL.  Errors as templates_compare(). */
+enum status templates_pair(struct templates *t, size_t i, size_t k,
+                           struct surface_comparison *out, struct errinfo *e);
 
 /* templates_decision(d): Returns "match", "no_match" or "inconclusive". */
 const char *templates_decision(enum surface_decision d);

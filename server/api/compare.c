@@ -9,6 +9,7 @@
 #include "json.h"
 #include "logger.h"
 #include "outcome.h"
+#include "pairs.h"
 #include "params.h"
 #include "request.h"
 #include "show.h"
@@ -127,4 +128,23 @@ void compare_scans(struct request *r, struct worker *w)
         compare_run(r, w, &ask, b, a);
     cloud_free(a);
     cloud_free(b);
+}
+
+/* Without scores the comparisons tell what an enrolment tells: whether a template fits. */
+void compare_templates(struct request *r, struct worker *w)
+{
+    struct errinfo e = {0};
+    struct pairs p;
+
+    if (pairs_run(&w->compare, r->subject, r->actor, &r->gone, &p, &e) == ST_OK) {
+        struct json *j = json_new();
+
+        pairs_describe(j, &p, auth_scores(r), store_made_by(r->app->store));
+        request_respond(r, 200, json_compact(j));
+        if (r->response.http == 200)
+            access_event(r, "compare_templates", "sent");
+    } else if (!request_gone(r)) {
+        request_fail(r, &e);
+    }
+    pairs_free(&p);
 }

@@ -26,6 +26,7 @@
 #include "console_identify_js.h"
 #include "console_index_html.h"
 #include "console_live_js.h"
+#include "console_pairs_js.h"
 #include "console_people_js.h"
 #include "console_person_js.h"
 #include "console_report_js.h"
@@ -90,6 +91,7 @@ static struct page {
     PAGE("/console/health.js", JAVASCRIPT, console_health_js),
     PAGE("/console/identify.js", JAVASCRIPT, console_identify_js),
     PAGE("/console/live.js", JAVASCRIPT, console_live_js),
+    PAGE("/console/pairs.js", JAVASCRIPT, console_pairs_js),
     PAGE("/console/people.js", JAVASCRIPT, console_people_js),
     PAGE("/console/person.js", JAVASCRIPT, console_person_js),
     PAGE("/console/report.js", JAVASCRIPT, console_report_js),

@@ -96,6 +96,8 @@ static const struct route table[] = {
      subjects_list, ROUTE_WORKER},
     {REQUEST_POST, "/v1/subjects", ROUTE_JSON, ENROLL, "", subjects_add, ROUTE_WORKER},
     {REQUEST_GET, SUBJECT, ROUTE_NO_BODY, READ, "", subjects_show, ROUTE_WORKER},
+    {REQUEST_GET, SUBJECT "/templates/compare", ROUTE_NO_BODY, READ, "",
+     compare_templates, ROUTE_WORKER},
     {REQUEST_PATCH, SUBJECT, ROUTE_MERGE, MANAGE, "", subjects_change, ROUTE_WORKER},
     {REQUEST_DELETE, SUBJECT, ROUTE_NO_BODY, DELETE, "", subjects_delete, ROUTE_WORKER},
     {REQUEST_GET, TEMPLATE, ROUTE_NO_BODY, READ, "", subjects_template, ROUTE_WORKER},

@@ -6,6 +6,7 @@ import { cameOf } from "./audit.js";
 import { count, day, dayEnd, el, icon, many, moment, refill, save, when } from "./dom.js";
 import { enroll, verifyHere } from "./enroll.js";
 import { readGlb } from "./glb.js";
+import { pairsOf } from "./pairs.js";
 import { droppable } from "./slot.js";
 import { createStage } from "./stage.js";
 import { facts, pairs, verdict } from "./verdict.js";
@@ -31,7 +32,7 @@ export function openPerson(main, who, subject, list) {
   const path = `/v1/subjects/${encodeURIComponent(subject)}`;
   const actions = el("div.row");
   const body = el("div", may("enroll") ? droppable((_, files) => person && begin(files)) : {});
-  let stage = null, person = null, done = false;
+  let stage = null, person = null, done = false, together = null;
 
   async function load() {
     try {
@@ -178,8 +179,10 @@ export function openPerson(main, who, subject, list) {
         }, icon("trash"))), "acts"],
     ]);
     list.set(person.templates);
+    const ids = person.templates.map((t) => t.template_id).join();
+    if (together?.ids !== ids) together = { ids, element: pairsOf(subject) };
     return [person.templates.length ? list.element : el("section.card", {}, el("h2", {}, "No template"),
-      el("p.dim", {}, may("enroll") ? "Drop a scan here to enroll the first." : "No scan is enrolled yet.")), error];
+      el("p.dim", {}, may("enroll") ? "Drop a scan here to enroll the first." : "No scan is enrolled yet.")), error, person.templates.length > 1 && together.element];
   }
 
   // ---- erasing

@@ -87,6 +87,7 @@ export const KINDS = {
   delete_template: ["Template deleted", "People"],
   delete_subject: ["Person erased", "People"],
   surface: ["Enrolled face looked at", "Faces seen"],
+  compare_templates: ["Templates compared", "Faces seen"],
   explain: ["Decision explained", "Faces seen"],
   export_template: ["Template exported", "Faces seen"],
   create_token: ["Token made", "Keys"],

@@ -145,6 +145,7 @@ for last in templates verify; do
 done
 put POST '/v1/subjects/alice/templates?units=inch' 400 "$PLY" "$T/a.ply"
 ask GET /v1/subjects/a%20b 400
+ask GET /v1/subjects/a%20b/templates/compare 400
 ask DELETE /v1/subjects/a%20b 400
 ask GET '/v1/subjects?limit=0' 400
 put POST '/v1/compare?detail=x' 400 "$JSON" "$T/ab.json"
@@ -167,6 +168,7 @@ put POST /v1/subjects/alice/templates 204 "$PLY" "$T/a.ply" -H "$MIN"
 put POST /v1/subjects/alice/templates 409 "$PLY" "$T/b.ply"
 put POST '/v1/subjects/alice/templates?force=true' 201 "$PLY" "$T/b.ply" -H "$MIN"
 other=$(field Location)
+ask GET /v1/subjects/alice/templates/compare 200
 # several files: taken, there already, and none of them
 jq -c '{points: .points[:3]}' "$T/a2.json" >"$T/few.json"
 for status in 201 200; do

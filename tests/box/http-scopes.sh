@@ -18,6 +18,7 @@ POST /v1/challenge verify,enroll
 GET /v1/subjects read
 POST /v1/subjects enroll
 GET /v1/subjects/{subject} read
+GET /v1/subjects/{subject}/templates/compare read
 PATCH /v1/subjects/{subject} manage
 DELETE /v1/subjects/{subject} delete
 GET /v1/templates/{template_id} read

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, overload
 from urllib.parse import quote, urlencode, urlsplit
 
-from .types import Asymmetry, Burst, Check, Erased, Event, Identification, Listed, Nonce, OwnToken, Subject, Template, Verdict
+from .types import Asymmetry, Burst, Check, Erased, Event, Identification, Listed, Nonce, OwnToken, Pairs, Subject, Template, Verdict
 
 log = logging.getLogger("surfaced")
 
@@ -285,6 +285,10 @@ class Client:
 
     def show_template(self, template_id: str) -> Template:
         return self.request("GET", f"/v1/templates/{quote(template_id, safe='')}")
+
+    def compare_templates(self, subject: str) -> Pairs:
+        """Each two of the subject's templates: which of them does not fit the others?"""
+        return self.request("GET", f"/v1/subjects/{quote(subject, safe='')}/templates/compare")
 
     def delete_template(self, template_id: str) -> None:
         self.request("DELETE", f"/v1/templates/{quote(template_id, safe='')}")

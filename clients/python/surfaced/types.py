@@ -53,6 +53,34 @@ class Template(TypedDict):
     frames: NotRequired[list["Frame"]]
 
 
+class Paired(TypedDict):
+    """fits: False where it matches fewer of the others than it does not match; None: that cannot be told."""
+
+    template_id: str
+    label: str
+    created: str
+    compared: bool
+    matches: int
+    fits: bool | None
+
+
+class Pair(TypedDict):
+    """score: None to a token without score, detail and manage."""
+
+    a: str
+    b: str
+    decision: Literal["match", "no_match", "inconclusive"]
+    score: float | None
+
+
+class Pairs(TypedDict):
+    subject: str
+    threshold: float
+    templates: list[Paired]
+    pairs: list[Pair]
+    engine: str
+
+
 class Refusal(TypedDict):
     code: str
     detail: str

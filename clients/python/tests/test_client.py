@@ -111,6 +111,9 @@ class TestRequests(Served):
         self.assertIsNone(client.show_subject("alice@example:1")["consent"])
         self.refused(409, "sample_mismatch", client.enroll, "alice@example:1", b1)
         second = client.enroll("alice@example:1", b1, force=True)
+        pairs = client.compare_templates("alice@example:1")
+        self.assertEqual([t["fits"] for t in pairs["templates"]], [False, False])
+        self.assertEqual([(p["b"], p["decision"]) for p in pairs["pairs"]], [(second["template_id"], "no_match")])
         client.delete_template(second["template_id"])
         self.refused(404, "not_found", client.show_template, second["template_id"])
         receipt = client.erase_subject("alice@example:1")
@@ -453,6 +456,8 @@ class TestContract(unittest.TestCase):
         rows = {"Listed": schemas["SubjectPage"]["properties"]["subjects"]["items"],
                 "Candidate": schemas["Identification"]["properties"]["candidates"]["items"],
                 "BurstFile": schemas["Burst"]["properties"]["templates"]["items"]}
+        rows["Paired"] = schemas["Pairs"]["properties"]["templates"]["items"]
+        rows["Pair"] = schemas["Pairs"]["properties"]["pairs"]["items"]
         rows["Frame"] = schemas["Frames"]["items"]
         rows["Refusal"] = rows["BurstFile"]["properties"]["refusal"]
         rows["Attempts"] = schemas["Subject"]["properties"]["attempts"]
