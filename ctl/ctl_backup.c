@@ -1,6 +1,5 @@
 /* The database copied, put back, copied under another key. */
 #include <inttypes.h>
-#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,8 @@
 /* subject erase, template delete, purge: deletion of subjects and templates. */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "describe.h"
+#include "audit.h"
 #include "ctl_command.h"
 
 /* What --dry-run prints of a deletion: the number of templates that would be deleted; it
@@ -36,13 +35,13 @@ static enum status erase(struct ctl *c)
     if ((st = ctl_confirm(c, what, one.id)) != ST_OK)
         return st;
     if ((st = store_subject_erase(c->store, c->actor, one.id, &r, &c->e)) == ST_OK) {
-        describe_receipt(c->out, &r);
+        audit_receipt(c->out, &r);
         ctl_say(c,
                 "deleted subject %s with %u template%s, at %s\n"
                 "  receipt   %s\n"
                 "  audit     entry %llu\n",
-                one.id, r.templates, r.templates == 1 ? "" : "s", r.at, r.digest,
-                (unsigned long long)r.seq);
+                one.id, r.templates, r.templates == 1 ? "" : "s", r.entry.at, r.digest,
+                (unsigned long long)r.entry.seq);
     }
     store_receipt_free(&r);
     return st;

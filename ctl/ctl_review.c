@@ -189,17 +189,19 @@ static bool read_templates(const struct json_value *ids, struct store_receipt *r
 static bool take_receipt(const struct json_value *v, struct store_receipt *r)
 {
     const struct json_value *audit = json_member(v, "audit");
+    struct log_entry *entry = &r->entry;
 
+    entry->is_signed = true;
     return take_text(v, "subject", r->subject, sizeof r->subject) &&
            ident_subject_valid(r->subject) &&
-           take_text(v, "subject_uid", r->uid, sizeof r->uid) &&
-           take_text(v, "erased_at", r->at, sizeof r->at) &&
+           take_bytes(v, "subject_uid", entry->uid, sizeof entry->uid) &&
+           take_text(v, "erased_at", entry->at, sizeof entry->at) &&
            take_text(v, "digest", r->digest, sizeof r->digest) &&
-           take_text(v, "signature", r->signature, sizeof r->signature) &&
-           take_text(v, "public_key", r->public_key, sizeof r->public_key) &&
+           take_bytes(v, "signature", entry->signature, sizeof entry->signature) &&
+           take_bytes(v, "public_key", r->public_key, sizeof r->public_key) &&
            read_templates(json_member(v, "template_ids"), r) &&
-           json_get_count(json_member(audit, "seq"), &r->seq) && r->seq > 0 &&
-           take_text(audit, "hash", r->hash, sizeof r->hash);
+           json_get_count(json_member(audit, "seq"), &entry->seq) && entry->seq > 0 &&
+           take_bytes(audit, "hash", entry->hash, sizeof entry->hash);
 }
 
 /* Reads the receipt whose first line was read. */
@@ -237,34 +239,34 @@ static enum status look_for_templates(struct ctl *c, const struct store_receipt 
     for (uint32_t i = 0; st == ST_OK && i < r->templates; i++) {
         st = store_template_get(c->store, c->actor, r->template_id[i], &t, &c->e);
         if (st == ST_OK)
-            log_walk_problem(w, r->seq, "a template named by the receipt exists");
+            log_walk_problem(w, r->entry.seq, "a template named by the receipt exists");
         else if (st == ST_ENOTFOUND || st == ST_EINVAL)
             st = ST_OK;
     }
     return st;
 }
 
+/* public: the key given; NULL: none. */
 static enum status verify_receipt(struct ctl *c, const struct store_receipt *r,
-                                  struct log_walk *w)
+                                  const unsigned char *public, struct log_walk *w)
 {
-    struct log_end at = {.seq = r->seq};
+    struct log_end at = {.seq = r->entry.seq};
     bool has = false;
     enum status st;
 
     if (!store_receipt_true(r))
-        log_walk_problem(w, r->seq,
+        log_walk_problem(w, at.seq,
                          "the contents of the receipt differ from what was signed");
-    if (c->public_key != NULL && strcmp(c->public_key, r->public_key) != 0)
-        log_walk_problem(w, r->seq,
+    if (public != NULL && memcmp(public, r->public_key, sizeof r->public_key) != 0)
+        log_walk_problem(w, at.seq,
                          "the receipt was signed by a key other than the one given");
     if (c->db == NULL || (st = ctl_model_open(c, STORE_READ)) != ST_OK)
         return c->db == NULL ? ST_OK : st;
     /* The entry's hash covers the log before it, so this is its database, whatever key signed. */
-    (void)sodium_hex2bin(at.hash, sizeof at.hash, r->hash, strlen(r->hash), NULL, NULL,
-                         NULL);
+    memcpy(at.hash, r->entry.hash, sizeof at.hash);
     if ((st = store_audit_has(c->store, &at, &has, &c->e)) == ST_OK && !has)
         log_walk_problem(
-            w, r->seq,
+            w, at.seq,
             "the change log lacks this entry: the receipt is from another database, or "
             "the log was replaced by an older one");
     return st == ST_OK ? look_for_templates(c, r, w) : st;
@@ -299,7 +301,7 @@ enum status ctl_review_file(struct ctl *c, const struct ctl_review *how,
     } else if (receipt == NULL) {
         st = errinfo_set(&c->e, ST_EINVAL, "%.120s is not an audit log", c->args[0]);
     } else if ((st = read_receipt(c, in, line, receipt)) == ST_OK) {
-        st = verify_receipt(c, receipt, out);
+        st = verify_receipt(c, receipt, c->public_key != NULL ? public : NULL, out);
     }
     if (!stream)
         (void)fclose(in);
@@ -335,13 +337,14 @@ static void tell_receipt(struct ctl *c, const struct store_receipt *r,
                          const char *verdict)
 {
     json_text(c->out, "subject", r->subject);
-    json_text(c->out, "erased_at", r->at);
+    json_text(c->out, "erased_at", r->entry.at);
     json_number(c->out, "templates_removed", r->templates);
     json_object(c->out, "audit");
-    json_number(c->out, "seq", (double)r->seq);
+    json_number(c->out, "seq", (double)r->entry.seq);
     json_close(c->out);
     ctl_say(c, "%s: %s with %u template%s, at %s, entry %" PRIu64 "\n", verdict,
-            r->subject, r->templates, r->templates == 1 ? "" : "s", r->at, r->seq);
+            r->subject, r->templates, r->templates == 1 ? "" : "s", r->entry.at,
+            r->entry.seq);
 }
 
 static void tell_logs(struct ctl *c, const struct log_walk *found, const char *public_key,
@@ -365,7 +368,7 @@ static void tell_logs(struct ctl *c, const struct log_walk *found, const char *p
 static enum status ctl_review_run(struct ctl *c)
 {
     const struct ctl_review how = {.report = tell_problem};
-    struct store_receipt receipt = {.seq = 0};
+    struct store_receipt receipt = {.templates = 0};
     struct log_walk found;
     char public_key[2 * CRYPT_KEY + 1] = "";
     const char *verdict;
@@ -381,7 +384,7 @@ static enum status ctl_review_run(struct ctl *c)
         verdict = found.problems == 0 ? "ok" : "NOT ok";
         c->code = found.problems == 0 ? EXIT_FINE : EXIT_NO;
         json_flag(c->out, "ok", found.problems == 0);
-        if (receipt.seq != 0)
+        if (receipt.entry.seq != 0)
             tell_receipt(c, &receipt, verdict);
         else
             tell_logs(c, &found, public_key, verdict);

@@ -19,7 +19,7 @@ struct ctl_review {
  *   receipt  its signature must be by its own key, which must be --public-key if that is given.  With a
  *            database: its log must have the entry, and none of the templates may exist
  *   out      has the problems
- *   receipt  set if the file is one (seq > 0), to be released by store_receipt_free(); NULL: only an
+ *   receipt  set if the file is one (entry.seq > 0), to be released by store_receipt_free(); NULL: only an
  *            export is accepted
  * Returns ST_OK also if there are problems; ST_EINVAL: the file is neither, or a key is missing;
  * ST_EVERSION, ST_ENOTFOUND, ST_EIO. */

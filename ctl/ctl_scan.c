@@ -1,7 +1,6 @@
 /* surfacectl scan: the faces in scans, and whether they can be enrolled and verified. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "cloudformat.h"
 #include "cloudpoints.h"

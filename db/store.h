@@ -97,16 +97,14 @@ enum status store_subject_rename(struct store *s, const char *actor, const char 
 
 struct store_receipt {
     char subject[STORE_SUBJECT_MAX + 1];
-    char uid[2 * STORE_UID + 1]; /* name of the subject in the logs, in hexadecimal */
-    char at[32];                 /* time of the erasure */
     char (*template_id)[STORE_ID_LEN +
                         1]; /* ids of the templates [templates], oldest first */
     uint32_t templates;     /* number of templates */
-    char digest[65];        /* SHA-256 of all members above */
-    uint64_t seq;           /* number of the erasure's entry in the change log */
-    char hash[65];          /* hash of this entry */
-    char signature[129];    /* Ed25519 signature of digest, seq and hash */
-    char public_key[65];    /* key that verifies the signature */
+    struct log_entry
+        entry;       /* the erasure's, in the change log: its seq, at, uid and hash,
+                             * and a signature with digest */
+    char digest[65]; /* SHA-256 of subject, the entry's uid and at, and the templates */
+    unsigned char public_key[CRYPT_KEY]; /* key that verifies the signature */
 };
 
 /* store_receipt_true(r): Returns true if digest and signature verify with r->public_key. */

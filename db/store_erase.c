@@ -1,8 +1,6 @@
 #include "store.h"
 
-#include <inttypes.h>
 #include <sodium.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,8 +8,6 @@
 #include "store_txn.h"
 
 /* ---- receipts */
-
-#define SIGNED_TEXT 192
 
 static void add_line(crypto_hash_sha256_state *h, const char *text)
 {
@@ -23,54 +19,28 @@ static void add_line(crypto_hash_sha256_state *h, const char *text)
 static void digest(const struct store_receipt *r, char out[65])
 {
     unsigned char hash[crypto_hash_sha256_BYTES];
+    char uid[2 * STORE_UID + 1];
     crypto_hash_sha256_state h;
 
+    (void)sodium_bin2hex(uid, sizeof uid, r->entry.uid, sizeof r->entry.uid);
     (void)crypto_hash_sha256_init(&h);
     add_line(&h, "surface erasure 2");
     add_line(&h, r->subject);
-    add_line(&h, r->uid);
-    add_line(&h, r->at);
+    add_line(&h, uid);
+    add_line(&h, r->entry.at);
     for (uint32_t i = 0; i < r->templates; i++)
         add_line(&h, r->template_id[i]);
     (void)crypto_hash_sha256_final(&h, hash);
     (void)sodium_bin2hex(out, 65, hash, sizeof hash);
 }
 
-static size_t signed_text(const struct store_receipt *r, char out[SIGNED_TEXT])
-{
-    return (size_t)snprintf(out, SIGNED_TEXT, "surface receipt 2\n%s\n%" PRIu64 "\n%s\n",
-                            r->digest, r->seq, r->hash);
-}
-
-static void sign(const struct crypt *c, struct store_receipt *r)
-{
-    unsigned char public[CRYPT_KEY], signature[CRYPT_SIGN];
-    char text[SIGNED_TEXT];
-
-    digest(r, r->digest);
-    crypt_sign(c, text, signed_text(r, text), signature);
-    crypt_public(c, public);
-    (void)sodium_bin2hex(r->signature, sizeof r->signature, signature, sizeof signature);
-    (void)sodium_bin2hex(r->public_key, sizeof r->public_key, public, sizeof public);
-}
-
-static bool read_hex(const char *text, unsigned char *out, size_t n)
-{
-    size_t got = 0;
-
-    return sodium_hex2bin(out, n, text, strlen(text), NULL, &got, NULL) == 0 && got == n;
-}
-
 bool store_receipt_true(const struct store_receipt *r)
 {
-    unsigned char public[CRYPT_KEY], signature[CRYPT_SIGN];
-    char wanted[65], text[SIGNED_TEXT];
+    char wanted[65];
 
     digest(r, wanted);
     return strcmp(wanted, r->digest) == 0 &&
-           read_hex(r->public_key, public, sizeof public) &&
-           read_hex(r->signature, signature, sizeof signature) &&
-           crypt_verify(public, text, signed_text(r, text), signature);
+           log_signed(r->public_key, &r->entry, r->digest);
 }
 
 void store_receipt_free(struct store_receipt *r)
@@ -121,12 +91,16 @@ enum status store_erase_rows(struct log_txn *t, const struct log_act *by,
 static void give_receipt(const struct log_txn *t, const struct log_act *by,
                          const struct store_subject *who, struct store_receipt *out)
 {
-    out->seq = t->changes.seq;
-    (void)sodium_bin2hex(out->hash, sizeof out->hash, t->changes.hash, LOG_HASH);
-    (void)sodium_bin2hex(out->uid, sizeof out->uid, who->uid, sizeof who->uid);
+    struct log_entry *entry = &out->entry;
+
+    entry->seq = t->changes.seq;
+    memcpy(entry->hash, t->changes.hash, sizeof entry->hash);
+    memcpy(entry->uid, who->uid, sizeof entry->uid);
+    memcpy(entry->at, by->at, sizeof entry->at);
     memcpy(out->subject, who->id, sizeof out->subject);
-    memcpy(out->at, by->at, sizeof out->at);
-    sign(t->crypt, out);
+    digest(out, out->digest);
+    log_sign(t->crypt, entry, out->digest);
+    crypt_public(t->crypt, out->public_key);
 }
 
 static enum status erase_rows(struct log_txn *t, const struct log_act *by,

@@ -55,6 +55,25 @@ void audit_describe(struct json *j, const struct store_audit_entry *a)
     hex(j, "hash", a->entry.hash, LOG_HASH);
 }
 
+void audit_receipt(struct json *j, const struct store_receipt *r)
+{
+    json_text(j, "subject", r->subject);
+    json_number(j, "templates_removed", r->templates);
+    json_array(j, "template_ids");
+    for (uint32_t i = 0; i < r->templates; i++)
+        json_text(j, NULL, r->template_id[i]);
+    json_close(j);
+    hex(j, "subject_uid", r->entry.uid, sizeof r->entry.uid);
+    json_text(j, "erased_at", r->entry.at);
+    json_text(j, "digest", r->digest);
+    json_object(j, "audit");
+    json_number(j, "seq", (double)r->entry.seq);
+    hex(j, "hash", r->entry.hash, LOG_HASH);
+    json_close(j);
+    hex(j, "signature", r->entry.signature, sizeof r->entry.signature);
+    hex(j, "public_key", r->public_key, sizeof r->public_key);
+}
+
 /* ---- files */
 
 enum status audit_export_begin(struct store *s, const char *actor, struct audit_export *x,

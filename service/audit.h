@@ -7,11 +7,11 @@
 
 struct json; /* json.h */
 
-/* The kinds of recent events, a list for struct store_audit_filter. */
-#define AUDIT_RECENT "verify,enroll,enroll_mismatch,locked_out"
-
 /* audit_describe(j, a): Writes an entry, as members of the object that is open in j. */
 void audit_describe(struct json *j, const struct store_audit_entry *a);
+
+/* audit_receipt(j, r): Writes the receipt of an erasure, as audit_describe(). */
+void audit_receipt(struct json *j, const struct store_receipt *r);
 
 struct audit_export {
     struct store *store;

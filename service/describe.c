@@ -146,25 +146,6 @@ const char *describe_token_state(const struct store_token *t)
     return t->revoked[0] != '\0' ? "revoked" : t->expired ? "expired" : "valid";
 }
 
-void describe_receipt(struct json *j, const struct store_receipt *r)
-{
-    json_text(j, "subject", r->subject);
-    json_number(j, "templates_removed", r->templates);
-    json_array(j, "template_ids");
-    for (uint32_t i = 0; i < r->templates; i++)
-        json_text(j, NULL, r->template_id[i]);
-    json_close(j);
-    json_text(j, "subject_uid", r->uid);
-    json_text(j, "erased_at", r->at);
-    json_text(j, "digest", r->digest);
-    json_object(j, "audit");
-    json_number(j, "seq", (double)r->seq);
-    json_text(j, "hash", r->hash);
-    json_close(j);
-    json_text(j, "signature", r->signature);
-    json_text(j, "public_key", r->public_key);
-}
-
 void describe_template(struct json *j, const struct store_template *t,
                        const struct surface_face *face, bool how)
 {

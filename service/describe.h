@@ -11,7 +11,6 @@
 struct json;           /* json.h */
 struct sample_found;   /* sample.h */
 struct session;        /* session.h */
-struct store_receipt;  /* store.h */
 struct store_subject;  /* store.h */
 struct store_template; /* store.h */
 struct store_token;    /* store.h */
@@ -48,9 +47,6 @@ void describe_token(struct json *j, const struct store_token *t, const char *sec
 
 /* describe_token_state(t): Returns "revoked", "expired" or "valid". */
 const char *describe_token_state(const struct store_token *t);
-
-/* describe_receipt(j, r): Writes the receipt of an erasure in full. */
-void describe_receipt(struct json *j, const struct store_receipt *r);
 
 /* describe_template(j, t, face, how): Writes a template.
  *   face  as in describe_quality()

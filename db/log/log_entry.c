@@ -94,33 +94,35 @@ bool log_follows(const struct crypt *c, struct log_end *at, const struct log_ent
 
 /* ---- signatures */
 
-#define SIGNED_TEXT 160
+#define SIGNED_TEXT 256
 
 /* What is signed, as text, so that it can be made by hand. */
-static size_t signed_text(const struct log_entry *entry, char out[SIGNED_TEXT])
+static size_t signed_text(const struct log_entry *entry, const char *with,
+                          char out[SIGNED_TEXT])
 {
     char hash[2 * LOG_HASH + 1];
 
     (void)sodium_bin2hex(hash, sizeof hash, entry->hash, sizeof entry->hash);
     return (size_t)snprintf(out, SIGNED_TEXT,
-                            "surface checkpoint 2\n%" PRIu64 "\n%s\n%s\n", entry->seq,
-                            entry->at, hash);
+                            "surface signed 3\n%" PRIu64 "\n%s\n%s\n%s\n", entry->seq,
+                            entry->at, hash, with);
 }
 
-void log_sign(const struct crypt *c, struct log_entry *entry)
+void log_sign(const struct crypt *c, struct log_entry *entry, const char *with)
 {
     char text[SIGNED_TEXT];
 
-    crypt_sign(c, text, signed_text(entry, text), entry->signature);
+    crypt_sign(c, text, signed_text(entry, with, text), entry->signature);
     entry->is_signed = true;
 }
 
-bool log_signed(const unsigned char public[CRYPT_KEY], const struct log_entry *entry)
+bool log_signed(const unsigned char public[CRYPT_KEY], const struct log_entry *entry,
+                const char *with)
 {
     char text[SIGNED_TEXT];
 
     return entry->is_signed &&
-           crypt_verify(public, text, signed_text(entry, text), entry->signature);
+           crypt_verify(public, text, signed_text(entry, with, text), entry->signature);
 }
 
 bool log_trimmed(const struct log_entry *entry, struct log_end *to)

@@ -82,11 +82,13 @@ void log_hash(const unsigned char before[LOG_HASH], const struct log_entry *entr
 void log_mac(const struct crypt *c, const unsigned char hash[LOG_HASH],
              unsigned char out[CRYPT_HASH]);
 
-/* log_sign(c, entry): Signs entry, whose hash is set. */
-void log_sign(const struct crypt *c, struct log_entry *entry);
+/* log_sign(c, entry, with): Signs the seq, at and hash of entry, and a text with them.
+ *   with  digest of a receipt, in hexadecimal; "": a signature in the log */
+void log_sign(const struct crypt *c, struct log_entry *entry, const char *with);
 
-/* log_signed(public, entry): Returns true if entry has a valid signature by this key. */
-bool log_signed(const unsigned char public[CRYPT_KEY], const struct log_entry *entry);
+/* log_signed(public, entry, with): Returns true if entry has a valid signature by this key, made by log_sign(). */
+bool log_signed(const unsigned char public[CRYPT_KEY], const struct log_entry *entry,
+                const char *with);
 
 /* log_follows(c, at, entry): Returns true if entry directly follows *at and its hash and MAC verify with c;
  * then sets *at to entry. */

@@ -2,7 +2,6 @@
 
 #include <inttypes.h>
 #include <sodium.h>
-#include <string.h>
 
 #include "errinfo.h"
 #include "sql_read.h"

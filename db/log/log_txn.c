@@ -333,7 +333,7 @@ static enum status append(struct log_txn *t, struct log_entry *entry,
     log_mac(t->crypt, entry->hash, entry->mac);
     if (entry->log == LOG_CHANGES &&
         (strcmp(kind, LOG_CHECKPOINT) == 0 || strcmp(kind, LOG_EXPORT) == 0))
-        log_sign(t->crypt, entry);
+        log_sign(t->crypt, entry, "");
     if ((st = log_row_add(t->sql, entry, e)) == ST_OK) {
         set_end(end, entry);
         t->added = entry->log;

@@ -84,7 +84,7 @@ static void note_change(struct log_walk *w, const struct log_entry *entry)
 {
     w->accesses[entry->daemon] = entry->accesses;
     (void)log_trimmed(entry, w->trimmed);
-    if (log_signed(w->public, entry)) {
+    if (log_signed(w->public, entry, "")) {
         w->checkpoints++;
         w->signed_to = entry->seq;
     }

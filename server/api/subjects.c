@@ -1,4 +1,4 @@
-#include "subjects.h"
+#include "routes.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "app.h"
+#include "audit.h"
 #include "auth.h"
 #include "errinfo.h"
 #include "describe.h"
@@ -70,7 +71,7 @@ static char *write_erased(const struct store_receipt *r)
 {
     struct json *j = json_new();
 
-    describe_receipt(j, r);
+    audit_receipt(j, r);
     return json_compact(j);
 }
 

@@ -84,7 +84,7 @@ is "of whom, what" "$(receipt '[.subject, .template_ids[]] | @csv')" "\"alice\",
 is "where in the log" "$(receipt .audit.seq)" 9
 is "by which key" "$(receipt .public_key)" "$key"
 if command -v openssl >/dev/null && command -v xxd >/dev/null; then
-    receipt '"surface receipt 2", .digest, .audit.seq, .audit.hash' >"$T/signed"
+    receipt '"surface signed 3", .audit.seq, .erased_at, .audit.hash, .digest' >"$T/signed"
     receipt .signature | xxd -r -p >"$T/signature"
     # An Ed25519 key as X.509 has it: RFC 8410.
     printf '302a300506032b6570032100%s' "$key" | xxd -r -p >"$T/key.der"

@@ -53,10 +53,10 @@ TEST(test_golden)
                "138a7fcd074623a633f3c448d9bf564cb1e6f1332a023abf82f1cae8468f1753");
     assert_hex(change.mac, CRYPT_HASH,
                "46074d360e8b8b502e2504e04fc0ee86a51a88e6e25c54d551c85d95a9843ff1");
-    log_sign(keys, &change);
+    log_sign(keys, &change, "");
     assert_hex(change.signature, CRYPT_SIGN,
-               "b0e111258c4f52e72fc0c5ef3d72ca7e670ce0674fba8b385087841375df9490"
-               "6e44ca4ac7b5660fdf4b446ac1f0a818b3c2283debaabc4dd8bc064c73095d00");
+               "532061f47b65dabac0bdbf34ca5890ea400512de30781bb236b97197ade5bec6"
+               "dc8d37a7bd93bf1fc5b7ead02d910cfd214b8f26aa51f840661308285f1a7500");
 }
 
 /* Every byte of an entry counts, and a text's end: no two entries have the same hash. */
@@ -123,14 +123,14 @@ TEST(test_signature)
     struct log_entry entry = example(LOG_CHANGES);
 
     (void)crypto_sign_seed_keypair(other, secret, (const unsigned char[32]){1});
-    assert_false(log_signed(public, &entry));
-    log_sign(keys, &entry);
-    assert_false(log_signed(other, &entry));
+    assert_false(log_signed(public, &entry, ""));
+    log_sign(keys, &entry, "");
+    assert_false(log_signed(other, &entry, ""));
     for (size_t i = 0; i < sizeof change / sizeof *change; i++) {
         struct log_entry changed = entry;
 
         ((unsigned char *)&changed)[change[i].at] ^= change[i].bits;
-        assert_int_equal(log_signed(public, &changed), i == 0);
+        assert_int_equal(log_signed(public, &changed, ""), i == 0);
     }
 }
 
@@ -253,7 +253,7 @@ static void written(struct logs *l)
         }
         chain(entry, i > 0 ? entry - 1 : NULL, true);
         if (i == 3 || i == CHANGES - 1)
-            log_sign(keys, entry);
+            log_sign(keys, entry, "");
     }
 }
 
@@ -411,7 +411,7 @@ static void fleet(struct fleet *f)
         memcpy(f->change[i].accesses.hash, last->hash, LOG_HASH);
         chain(&f->change[i], i > 0 ? &f->change[0] : NULL, true);
     }
-    log_sign(keys, &f->change[1]);
+    log_sign(keys, &f->change[1], "");
 }
 
 static struct found walk_fleet(const struct fleet *l, bool with_keys)
