@@ -6,7 +6,6 @@
 #include <stddef.h>
 #include "multipart.h"
 #include "session.h"
-#include "status.h"
 
 struct errinfo; /* errinfo.h */
 struct request; /* request.h */

@@ -1,4 +1,4 @@
-#include "compare.h"
+#include "routes.h"
 
 #include "access.h"
 #include "app.h"

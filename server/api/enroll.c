@@ -1,4 +1,4 @@
-#include "enroll.h"
+#include "routes.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -11,7 +11,6 @@
 #include "enrolment.h"
 #include "errinfo.h"
 #include "errmap.h"
-#include "identify_scan.h"
 #include "intake.h"
 #include "json.h"
 #include "describe.h"

@@ -1,4 +1,4 @@
-#include "health.h"
+#include "routes.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-#include "identify_scan.h"
+#include "routes.h"
 
 #include "app.h"
 #include "auth.h"

@@ -1,4 +1,4 @@
-#include "live.h"
+#include "routes.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -1,5 +1,5 @@
 #define _GNU_SOURCE /* memfd_create */
-#include "logs.h"
+#include "routes.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 #define ZLIB_CONST /* next_in is const */
-#include "pages.h"
+#include "routes.h"
 
 #include <stdio.h>
 #include <stdlib.h>

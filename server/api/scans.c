@@ -1,4 +1,4 @@
-#include "scans.h"
+#include "routes.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-#include "tokens.h"
+#include "routes.h"
 
 #include <sodium.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "watch.h"
+#include "routes.h"
 
 #include <stdlib.h>
 #include <string.h>
