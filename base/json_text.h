@@ -3,7 +3,6 @@
  * which then need no value each.  Only json.c includes this header. */
 #ifndef BASE_JSON_TEXT_H
 #define BASE_JSON_TEXT_H
-#include <stdbool.h>
 #include <stddef.h>
 #include "status.h"
 #include "vec.h"

@@ -3,7 +3,6 @@
  * people.  It is read from a model, and adapted to scans (population_scans.h). */
 #ifndef LAB_POPULATION_H
 #define LAB_POPULATION_H
-#include <stdint.h>
 #include "grid.h"
 #include "model.h"
 #include "spread.h"

@@ -1,6 +1,5 @@
 #include "csv.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -6,7 +6,6 @@
  * Any number of threads.  Descriptors are biometric: they are wiped when their subject is gone. */
 #ifndef SERVICE_GALLERY_H
 #define SERVICE_GALLERY_H
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include "errinfo.h"

@@ -3,7 +3,6 @@
 #ifndef SIM_HEADVIEW_H
 #define SIM_HEADVIEW_H
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 #include "head.h"
 #include "surface.h"

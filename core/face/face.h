@@ -2,9 +2,7 @@
  * A "model" is knowledge of faces in general (model.h), never a face. */
 #ifndef CORE_FACE_H
 #define CORE_FACE_H
-#include <stdbool.h>
 #include <stddef.h>
-#include <stdint.h>
 #include "align.h"
 #include "face_data.h"
 #include "grid.h"

@@ -1,7 +1,6 @@
 #include "pair.h"
 
 #include <math.h>
-#include <stdbool.h>
 
 #include "heights.h"
 #include "place.h"

@@ -3,7 +3,6 @@
 #ifndef CORE_QUALITY_H
 #define CORE_QUALITY_H
 #include <stddef.h>
-#include <stdint.h>
 #include "surface_face.h"
 #include "status.h"
 #include "vec.h"

@@ -13,7 +13,6 @@
 #define CORE_RATIO_H
 #include "encode.h"
 #include "mem.h"
-#include "status.h"
 
 #define RATIO_MOST 9999.0
 

@@ -2,7 +2,6 @@
  * mean face lies there, at every roll.  Internal to find.h. */
 #ifndef CORE_FIND_VIEW_H
 #define CORE_FIND_VIEW_H
-#include <stddef.h>
 #include <stdint.h>
 #include "find_grid.h"
 #include "pose.h"

@@ -1,7 +1,6 @@
 #include "frames.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "cloudpoints.h"
 #include "face_work.h"

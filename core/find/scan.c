@@ -1,7 +1,6 @@
 #include "scan.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "aspect.h"
 #include "cloudpoints.h"

@@ -4,7 +4,6 @@
 #define CORE_SCAN_H
 #include <stdbool.h>
 #include <stddef.h>
-#include <stdint.h>
 #include "face.h"
 #include "find.h"
 #include "surface_scan.h"

@@ -1,7 +1,6 @@
 #include "sight.h"
 
 #include <math.h>
-#include <stdint.h>
 
 /* A scan is of one side where less than this share of the points, on a head's size of cells,
  * lies farther behind the front-most one of its cell.  Of heads from all sides about half do, of

@@ -1,7 +1,6 @@
 #include "minimal_solve.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <string.h>
 
 #include "pose.h"

@@ -2,7 +2,6 @@
 #ifndef CORE_POSE_H
 #define CORE_POSE_H
 #include <stdbool.h>
-#include <stdint.h>
 #include "vec.h"
 
 /* mm behind the surface: the centre of rotations.  A face is roughly a ball of

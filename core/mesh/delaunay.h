@@ -8,7 +8,6 @@
 #ifndef CORE_DELAUNAY_H
 #define CORE_DELAUNAY_H
 #include <stddef.h>
-#include <stdint.h>
 #include "status.h"
 #include "vec.h"
 

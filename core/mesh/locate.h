@@ -7,7 +7,6 @@
  * others are located by bisection (chains.h). */
 #ifndef CORE_LOCATE_H
 #define CORE_LOCATE_H
-#include <stddef.h>
 #include <stdint.h>
 #include "status.h"
 #include "vec.h"

@@ -9,7 +9,6 @@
 #include "merge.h"
 
 #include <stdbool.h>
-#include <string.h>
 
 #include "insert.h"
 #include "locate.h"

@@ -1,7 +1,5 @@
 #include "mesh_link.h"
 
-#include <string.h>
-
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"

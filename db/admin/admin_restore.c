@@ -1,6 +1,5 @@
 #include "admin_restore.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <sodium.h>
 #include <stdio.h>

@@ -1,7 +1,5 @@
 #include "rows_calibration.h"
 
-#include <string.h>
-
 #include "bytes.h"
 #include "errinfo.h"
 #include "sql_read.h"

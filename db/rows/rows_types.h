@@ -3,7 +3,6 @@
 #ifndef DB_ROWS_TYPES_H
 #define DB_ROWS_TYPES_H
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 #include "crypt.h"
 #include "groups.h"

@@ -1,6 +1,5 @@
 #include "sql_postgres_state.h"
 
-#include <stddef.h>
 #include <string.h>
 
 /* ST_EBUSY: the next attempt may succeed, on a new connection if this one is not kept.

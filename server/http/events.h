@@ -3,7 +3,6 @@
  * a client that does not read is waited for by no other. */
 #ifndef SERVER_EVENTS_H
 #define SERVER_EVENTS_H
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include "stream.h"

@@ -3,7 +3,6 @@
 #ifndef SERVER_PEER_H
 #define SERVER_PEER_H
 #include <stdbool.h>
-#include <stddef.h>
 #include <gnutls/gnutls.h>
 #include "guard.h"
 #include "status.h"

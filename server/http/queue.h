@@ -6,7 +6,6 @@
 #ifndef SERVER_QUEUE_H
 #define SERVER_QUEUE_H
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 #include "status.h"
 

@@ -1,7 +1,6 @@
 /* worker.h -- what a worker thread owns and reuses for each request. */
 #ifndef SERVER_WORKER_H
 #define SERVER_WORKER_H
-#include "libsurface.h"
 #include "status.h"
 #include "templates.h"
 

@@ -3,7 +3,6 @@
  * subject, token or threshold, never a crash.
  * Many changes at once, and rows: tests/fuzz/fuzz_database.c and tests/box/store-attacks.sh. */
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -1,7 +1,6 @@
 /* Addresses for the limits; lists of addresses and networks: what is one, and which addresses are in it. */
 #include <arpa/inet.h>
 #include <netinet/in.h>
-#include <sys/un.h>
 
 #include "address.h"
 #include "unit.h"

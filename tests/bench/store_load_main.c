@@ -3,7 +3,6 @@
  * place of the face work; each thread has a subject of its own, from sFIRST on.  Prints verifications a
  * second, and the median and 99th percentile of the store's part in ms. */
 #include <pthread.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

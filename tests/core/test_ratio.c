@@ -1,6 +1,5 @@
 /* The score against Gaussian densities computed by definition; its mean, its slopes, its
  * logarithm; what is no encoding never matches. */
-#include <float.h>
 
 #include "brute.h"
 #include "dense.h"

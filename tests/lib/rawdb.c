@@ -1,7 +1,6 @@
 #include "rawdb.h"
 
 #include <sqlite3.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #ifdef WITH_POSTGRES

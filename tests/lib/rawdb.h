@@ -2,7 +2,6 @@
  * either engine: a file, or a PostgreSQL by its URL. */
 #ifndef TESTS_RAWDB_H
 #define TESTS_RAWDB_H
-#include <stdbool.h>
 #include <stddef.h>
 #include "status.h"
 

@@ -5,7 +5,6 @@
 #ifndef TESTS_TIMING_H
 #define TESTS_TIMING_H
 #include <stddef.h>
-#include <stdint.h>
 #include "status.h"
 
 struct peers; /* peers.h */

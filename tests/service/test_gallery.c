@@ -1,7 +1,6 @@
 /* A gallery has exactly those who may be found, whatever has changed since it was followed last: compared with a
  * list kept by hand, over random changes.  Failures of memory and damaged rows hide nobody silently. */
 /* link: -Wl,--wrap=aligned_alloc -Wl,--wrap=malloc -Wl,--wrap=calloc */
-#include <sodium.h>
 
 #include "brute.h"
 #include "clouds.h"
