@@ -269,7 +269,7 @@ is "of those kinds" "$(tail -n +2 "$T/body" | cut -d, -f4 | sort -u | paste -sd 
 sql "INSERT INTO access_log SELECT daemon, seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
     FROM generate_series(1, 1000000), (SELECT * FROM access_log ORDER BY seq DESC LIMIT 1)"
 beside walk POST /v1/audit/verify
-sleep 0.3
+working 1
 req POST /v1/audit/verify
 problem "a second one" 503 overloaded 'one at a time'
 again "when again" 5

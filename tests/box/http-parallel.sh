@@ -97,13 +97,7 @@ rm -f "$T"/s.*
 for i in 1 2 3 4; do
     beside "$i" POST /v1/subjects/x/verify -H "$PLY" --data-binary "@$T/probe.ply"
 done
-tries=0
-while [ "$tries" -lt 100 ]; do # until the requests are running or queued
-    req GET /metrics
-    [ "$(awk '/^surfaced_(queue_depth|workers_busy) / { n += $2 } END { print n }' "$T/body")" -ge 3 ] && break
-    sleep 0.02
-    tries=$((tries + 1))
-done
+working 3
 stop_daemon
 all_sent
 ok "running requests are finished ($(cat "$T"/s.* | tr '\n' ' '))" test "$(count 200)" -ge 3

@@ -89,11 +89,10 @@ ok "with the first one's reason" grep -q 'closed" connections=1 proxy=127.0.0.2 
 hold 1500 "$signature"
 held "of 1,500 waiting ones" sent
 ok "no more than 1,024 are open" test "$(find "/proc/$PID/fd" -mindepth 1 | wc -l)" -lt 1100
-begin=$(date +%s%N)
 is "another is served" "$(via 192.0.2.7 /healthz)" 200
 req GET /healthz
 is "and one from elsewhere" "$STATUS" 200
-sanitized || ok "at once" test $((($(date +%s%N) - begin) / 1000000)) -lt 2000
+sanitized || ok "while they wait" test "$(find "/proc/$PID/fd" -mindepth 1 | wc -l)" -gt 900
 held "the others are closed in time" 'closed 1500'
 let_go
 stop_daemon

@@ -469,6 +469,12 @@ soon() {
     done
 }
 
+# working N: N requests are with a worker or wait for one.
+working() {
+    soon sh -c "[ \"\$(curl -sS -H 'Authorization: Bearer ${WATCHER:-$AUTH}' '$URL/metrics' |
+        awk '/^surfaced_(queue_depth|workers_busy) / { n += \$2 } END { print n }')\" -ge $1 ]"
+}
+
 # holds HEX FILE...: one of the files contains these bytes; missing files are ignored.
 holds() {
     h_hex=$1
