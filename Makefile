@@ -334,11 +334,12 @@ AIDS := $(AID_BIN) $(SHIM_BIN)
 tests: all $(TEST_BIN) $(FUZZ_BIN) $(AIDS)
 
 # Left out under a sanitizer: tests that would take minutes, of code that other tests run there
-# too; those that count basic blocks, which are others there; crash, whose preloaded library would
-# be loaded before the sanitizer's; faults, because the leak sanitizer does not run under strace;
-# and the fuzzers, whose inputs `make fuzz` runs with sanitizers.
+# too, and those of the pages, whose requests others send; those that count basic blocks, which are
+# others there; crash, whose preloaded library would be loaded before the sanitizer's; faults, because
+# the leak sanitizer does not run under strace; and the fuzzers, whose inputs `make fuzz` runs with
+# sanitizers.
 LONG := client-python clients client-openapi lab-evaluate lab-train http-openapi http-upkeep accuracy http-hostile studies fault-client crash faults \
-    console console-view console-readme attack store-attacks http-same formats ctl-hyphen ctl-output ctl-calibrate ctl-subject dedup fleet \
+    console% attack store-attacks http-same formats ctl-hyphen ctl-output ctl-calibrate ctl-subject dedup fleet \
     http-examples http-scopes page phone shape
 # The black-box tests first: they wait much and take longest, and others run beside the last.
 ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
@@ -406,7 +407,7 @@ tsan:
 	$(MAKE) threads BUILD=build/tsan $(call SANITIZED,thread)
 ## sanitize: the tests under the address, leak and undefined-behaviour sanitizers
 sanitize:
-	$(MAKE) check BUILD=build/sanitize $(call SANITIZED,address undefined)
+	$(MAKE) check BUILD=build/sanitize $(call SANITIZED,address undefined) JITTER_COPIES=3
 
 ## fuzz: every fuzzer for FUZZ_SECONDS seconds each (60), with clang's libFuzzer
 .PHONY: fuzz fuzz-build fuzzers

@@ -12,7 +12,7 @@
 #include "unit.h"
 
 #define PEOPLE 12
-#define ROUNDS 600
+#define ROUNDS 200
 
 struct one { /* as it should be */
     bool is, disabled, out, expired;
