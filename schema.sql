@@ -173,6 +173,19 @@ CREATE TABLE days (
     PRIMARY KEY (day, decision, daemon)
 ) STRICT;
 
+-- Scans of a day (UTC) that a token (its id) sent to verify or to identify, and their quality: sums of
+-- integers.  Names no subject; not authenticated; deleted after 12 weeks.
+CREATE TABLE scans (
+    day      TEXT NOT NULL CHECK (day GLOB '????-??-??'),
+    token    TEXT NOT NULL CHECK (length(token) <= 64),
+    daemon   INTEGER NOT NULL CHECK (daemon BETWEEN 0 AND 63), -- that counted them
+    n        INTEGER NOT NULL CHECK (n >= 0), -- compared
+    unusable INTEGER NOT NULL CHECK (unusable >= 0), -- refused: no face, or a poor one
+    noise_um INTEGER NOT NULL CHECK (noise_um >= 0), -- sums of the n scans
+    quality  INTEGER NOT NULL CHECK (quality >= 0), -- in 1/1000
+    PRIMARY KEY (day, token, daemon)
+) STRICT;
+
 -- From a score to a decision (docs/decision.md): the newest is in force.  Rows are only ever
 -- added; going back to the shipped table is a new row too.
 CREATE TABLE calibrations (

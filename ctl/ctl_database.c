@@ -10,6 +10,7 @@
 #include "admin_restore.h"
 #include "ctl_command.h"
 #include "ctl_model.h"
+#include "drift.h"
 #include "stats.h"
 
 /* ---- init */
@@ -114,6 +115,29 @@ static void say_day(struct ctl *c, const struct store_day *d)
             d->day, d->decision, all, STORE_DAY_FROM + STORE_DAY_STEP * i);
 }
 
+/* Prints the scans of a token, and what changed. */
+static void say_scans(void *arg, const struct drift_token *t)
+{
+    struct ctl *c = arg;
+    struct store_scans sum = {.n = 0};
+    char text[DRIFT_TEXT];
+
+    for (size_t i = 0; i < t->n; i++) {
+        sum.n += t->day[i].n;
+        sum.unusable += t->day[i].unusable;
+        sum.noise_um += t->day[i].noise_um;
+        sum.quality += t->day[i].quality;
+    }
+    ctl_say(c, "%-12s %6" PRId64 " scans in 12 weeks, %" PRId64 " unusable", t->name,
+            sum.n + sum.unusable, sum.unusable);
+    if (sum.n > 0)
+        ctl_say(c, ", noise %.2f mm, quality %.2f",
+                (double)sum.noise_um / 1000 / (double)sum.n,
+                (double)sum.quality / 1000 / (double)sum.n);
+    drift_say(&t->drift, text);
+    ctl_say(c, "%s%s\n", text[0] != '\0' ? "; " : "", text);
+}
+
 static void say_stats(struct ctl *c, const struct store_stats *t, uint64_t other)
 {
     char text[32];
@@ -156,6 +180,7 @@ static enum status stats(struct ctl *c)
         say_stats(c, &t, other);
         for (size_t i = 0; i < n; i++)
             say_day(c, &days[i]);
+        st = drift_each(c->store, say_scans, c, &c->e);
     }
     free(days);
     return st;
@@ -183,9 +208,11 @@ const struct ctl_command ctl_database_stats = {
     .database = CTL_READS_DATABASE,
     .shared = CTL_MODEL,
     .run = stats,
-    .summary = "count the contents of the database, and the scores of each day",
+    .summary =
+        "count the contents of the database, the scores of each day, and the scans by token",
     .help =
-        "Also the verifications of each of the last 180 days by decision and score. With --json\n"
+        "Also the verifications of each of the last 180 days by decision and score, and of each\n"
+        "token the scans of 12 weeks with their quality, and whether it has changed. With --json\n"
         "also the calibration in force and the findings of doctor.",
     .example = "surfacectl --db faces.db stats"};
 

@@ -282,6 +282,12 @@ enum status store_event(struct store *s, const char *kind, const char *actor,
                         const char *subject, const char *object, const char *outcome,
                         struct errinfo *e);
 
+/* store_event_scan(s, kind, actor, subject, outcome, scan, e): Like store_event() without an object, and counts the
+ * scan for the actor in the same transaction. */
+enum status store_event_scan(struct store *s, const char *kind, const char *actor,
+                             const char *subject, const char *outcome,
+                             const struct store_scan *scan, struct errinfo *e);
+
 struct store_audit_entry {
     struct log_entry entry;
     char subject[STORE_SUBJECT_MAX +

@@ -8,6 +8,7 @@
 
 #include "log_anchor.h"
 #include "log_row.h"
+#include "rows_scan.h"
 #include "rows_subject.h"
 #include "rows_token.h"
 #include "sql_read.h"
@@ -376,9 +377,9 @@ static enum status add_access(struct log_txn *t, const struct log_act *by,
     return log_access(t, by, kind, known ? of.one.uid : NULL, object, outcome, e);
 }
 
-enum status store_event(struct store *s, const char *kind, const char *actor,
-                        const char *subject, const char *object, const char *outcome,
-                        struct errinfo *e)
+static enum status add_event(struct store *s, const char *kind, const char *actor,
+                             const char *subject, const char *object, const char *outcome,
+                             const struct store_scan *scan, struct errinfo *e)
 {
     struct log_act by;
     struct log_txn t;
@@ -396,7 +397,25 @@ enum status store_event(struct store *s, const char *kind, const char *actor,
         (st = store_begin_use(s, SQL_LAZY, &(struct store_use){.appends = true}, &t,
                               e)) != ST_OK)
         return st;
-    return store_end(s, &t, add_access(&t, &by, kind, subject, object, outcome, e), e);
+    if (scan != NULL)
+        st = rows_scan_count(&t, &by, scan, e);
+    if (st == ST_OK)
+        st = add_access(&t, &by, kind, subject, object, outcome, e);
+    return store_end(s, &t, st, e);
+}
+
+enum status store_event(struct store *s, const char *kind, const char *actor,
+                        const char *subject, const char *object, const char *outcome,
+                        struct errinfo *e)
+{
+    return add_event(s, kind, actor, subject, object, outcome, NULL, e);
+}
+
+enum status store_event_scan(struct store *s, const char *kind, const char *actor,
+                             const char *subject, const char *outcome,
+                             const struct store_scan *scan, struct errinfo *e)
+{
+    return add_event(s, kind, actor, subject, "", outcome, scan, e);
 }
 
 static enum status sign(struct log_txn *t, const struct log_act *by, const char *kind,

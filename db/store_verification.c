@@ -8,6 +8,7 @@
 #include "rows_attempts.h"
 #include "rows_calibration.h"
 #include "rows_day.h"
+#include "rows_scan.h"
 #include "rows_template.h"
 #include "store_people.h"
 #include "store_template.h"
@@ -377,6 +378,8 @@ static enum status write_all(struct recording *r, struct errinfo *e)
     look_back(r);
     if ((r->what.decision != NULL && !out->replayed &&
          (st = rows_day_count(&r->t, &r->day, r->what.score, e)) != ST_OK) ||
+        (r->what.scan != NULL && !out->replayed &&
+         (st = rows_scan_count(&r->t, &r->by, r->what.scan, e)) != ST_OK) ||
         (st = store_record_attempt(&r->t, &r->what, r->by.ms, out, e)) != ST_OK ||
         (st = add_events(&r->t, &r->what, &r->by, out, e)) != ST_OK ||
         store_rules_recent(r->what.subject->seen, r->by.ms))
@@ -406,21 +409,61 @@ enum status store_record_verification(struct store *s, const struct store_record
     return store_end(s, &r.t, st, e);
 }
 
+/* Prints the first of the last `days` days. */
+static enum status days_begin(int days, char since[UTC_TEXT], struct errinfo *e)
+{
+    const int64_t ms = days * INT64_C(86400000);
+    int64_t now;
+    const enum status st = store_rules_now(&now, e);
+
+    utc_print(now > ms ? now - ms : 0, since);
+    since[STORE_DAY] = '\0';
+    return st;
+}
+
 enum status store_days(struct store *s, struct store_day **out, size_t *n,
                        struct errinfo *e)
 {
-    const int64_t long_ms = STORE_DAYS * INT64_C(86400000);
     char since[UTC_TEXT];
     struct log_txn t;
-    int64_t now;
     enum status st;
 
     *out = NULL;
     *n = 0;
-    if ((st = store_rules_now(&now, e)) != ST_OK ||
+    if ((st = days_begin(STORE_DAYS, since, e)) != ST_OK ||
         (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    utc_print(now > long_ms ? now - long_ms : 0, since);
-    since[STORE_DAY] = '\0';
     return store_end(s, &t, rows_day_list(&t, since, out, n, e), e);
+}
+
+enum status store_scans(struct store *s, struct store_scans **out, size_t *n,
+                        struct errinfo *e)
+{
+    char since[UTC_TEXT];
+    struct log_txn t;
+    enum status st;
+
+    *out = NULL;
+    *n = 0;
+    if ((st = days_begin(STORE_SCAN_DAYS, since, e)) != ST_OK ||
+        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    return store_end(s, &t, rows_scan_list(&t, since, out, n, e), e);
+}
+
+enum status store_days_trim(struct store *s, struct errinfo *e)
+{
+    char scores[UTC_TEXT], scans[UTC_TEXT];
+    struct log_txn t;
+    enum status st;
+
+    if ((st = days_begin(STORE_DAYS, scores, e)) != ST_OK ||
+        (st = days_begin(STORE_SCAN_DAYS, scans, e)) != ST_OK ||
+        (st = store_begin_use(s, SQL_LAZY, &(struct store_use){.subject = 0}, &t, e)) !=
+            ST_OK)
+        return st;
+    if ((st = SQL_RUN(t.sql, e, "DELETE FROM days WHERE day < $1", sql_text(scores))) ==
+        ST_OK)
+        st = SQL_RUN(t.sql, e, "DELETE FROM scans WHERE day < $1", sql_text(scans));
+    return store_end(s, &t, st, e);
 }

@@ -71,6 +71,7 @@ struct store_record {
     const char *actor, *kind, *template_id, *outcome; /* texts of the event */
     const char *decision; /* decision for the day's scores; NULL: not counted there */
     double score;         /* score of this decision */
+    const struct store_scan *scan; /* the probe, for the day's scans; NULL: not counted */
 
     /* A probe that matched.  It is refused if it is no new scan, but the cloud of a template of the
      * subject.  NULL: not checked. */
@@ -106,7 +107,7 @@ struct store_recorded {
 };
 
 /* store_record_verification(s, what, out, e): Records a verification in one transaction: the attempts, an
- * entry of the access log, the day's scores, and the subject's time of last use (at most once a minute).
+ * entry of the access log, the day's scores and scans, and the subject's time of last use (at most once a minute).
  * A failed verification is durable on return.  Any other is not flushed, as by store_event().
  * ST_ENOTFOUND: the subject was erased meanwhile. */
 enum status store_record_verification(struct store *s, const struct store_record *what,
@@ -122,5 +123,13 @@ enum status store_record_attempt(struct log_txn *t, const struct store_record *w
  *   out  a new array of *n elements, to be released by free() */
 enum status store_days(struct store *s, struct store_day **out, size_t *n,
                        struct errinfo *e);
+
+/* store_scans(s, out, n, e): Lists the scans of the last STORE_SCAN_DAYS days, by token and then by day.
+ *   out  a new array of *n elements, to be released by free() */
+enum status store_scans(struct store *s, struct store_scans **out, size_t *n,
+                        struct errinfo *e);
+
+/* store_days_trim(s, e): Deletes the days that store_days() and store_scans() do not list any more. */
+enum status store_days_trim(struct store *s, struct errinfo *e);
 
 #endif

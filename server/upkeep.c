@@ -65,6 +65,15 @@ static void trim(struct upkeep *u)
     logger_end(&l);
 }
 
+static void trim_days(struct upkeep *u)
+{
+    struct errinfo e;
+    const enum status st = store_days_trim(u->app->store, &e);
+
+    if (st != ST_OK)
+        metrics_database_error(u->app->metrics, st);
+}
+
 /* After a difference all of /v1 is refused: refusal_tell() reports it.  Rows that could not be read are
  * reported once, until they were. */
 static void upkeep_verify(struct upkeep *u)
@@ -128,6 +137,7 @@ static void upkeep_look(struct upkeep *u)
         expiry_look(&u->expiry, u->app);
         if (u->days > 0)
             trim(u);
+        trim_days(u);
         u->hour_ms = logger_clock_ms() + HOUR_MS;
     }
     if (now >= u->verify_ms) {

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drift.h"
 #include "store.h"
 #include "json.h"
 
@@ -164,10 +165,31 @@ static void look_at_calibration(struct findings *x, struct store *s)
             "the newest was made by another measure or model, and does not decide");
 }
 
+static void look_at_scans_of(void *arg, const struct drift_token *t)
+{
+    char text[DRIFT_TEXT];
+
+    drift_say(&t->drift, text);
+    if (t->drift.of != DRIFT_NONE)
+        findings_say(arg, FINDINGS_WARNING, "scans",
+                     "look at its scanner (dirt, light, distance, settings): surfacectl "
+                     "scan FILE says what is wrong with a scan",
+                     "%s: %s", t->name, text);
+}
+
+static void look_at_scans(struct findings *x, struct store *s)
+{
+    struct errinfo e;
+
+    if (drift_each(s, look_at_scans_of, x, &e) != ST_OK)
+        findings_say(x, FINDINGS_ERROR, "scans", FIND_ALL, "%s", e.msg);
+}
+
 void findings_store(struct findings *x, struct store *s)
 {
     look_at_templates(x, s);
     look_at_tokens(x, s);
     look_at_attempts(x, s);
+    look_at_scans(x, s);
     look_at_calibration(x, s);
 }

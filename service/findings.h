@@ -23,8 +23,8 @@ __attribute__((format(printf, 5, 6))) void
 findings_say(struct findings *x, enum findings_severity severity, const char *about,
              const char *todo, const char *format, ...);
 
-/* findings_store(x, s): Reports findings on templates, tokens, failed verifications and the calibration, for the
- * model that s uses.  Does not verify the rows (store_verify()). */
+/* findings_store(x, s): Reports findings on templates, tokens, failed verifications, the quality of scans (drift.h)
+ * and the calibration, for the model that s uses.  Does not verify the rows (store_verify()). */
 void findings_store(struct findings *x, struct store *s);
 
 /* findings_word(severity): Returns "ok", "warning" or "error". */

@@ -195,7 +195,8 @@ static void print_outcome(const struct identification *x, char out[STORE_NAME_MA
 }
 
 static enum status record_match(struct templates_context *c, struct identification *x,
-                                const char *outcome, struct errinfo *e)
+                                const char *outcome, const struct store_scan *scan,
+                                struct errinfo *e)
 {
     const struct identify_request *r = x->request;
     struct store_recorded recorded;
@@ -211,6 +212,7 @@ static enum status record_match(struct templates_context *c, struct identificati
     if (r->probe == NULL) /* an enrolment, which is refused */
         return store_record_verification(c->store, &what, &recorded, e);
     what.probe = &probe;
+    what.scan = scan;
     st = replay_look(r->probe, *r->face, &x->templates, x->best.index, &probe, e);
 
     if (st != ST_OK)
@@ -227,14 +229,17 @@ static enum status record_search(struct templates_context *c, struct identificat
 {
     const struct identify_request *r = x->request;
     char outcome[STORE_NAME_MAX + 1];
+    struct store_scan scan;
     enum status st = sample_not_stopped(r->stop, e);
 
     if (st != ST_OK)
         return st;
+    scan = sample_counted(*r->face);
     print_outcome(x, outcome);
     st = x->decision == SURFACE_MATCH
-             ? record_match(c, x, outcome, e)
-             : store_event(c->store, "identify", r->actor, "", "", outcome, e);
+             ? record_match(c, x, outcome, &scan, e)
+             : store_event_scan(c->store, "identify", r->actor, "", outcome,
+                                r->probe != NULL ? &scan : NULL, e);
     for (size_t i = 0; st == ST_OK && i < x->n; i++) {
         const struct identify_candidate *one = &x->candidate[i];
 

@@ -167,6 +167,13 @@ enum status sample_not_stopped(const atomic_bool *stop, struct errinfo *e)
                             : ST_OK;
 }
 
+struct store_scan sample_counted(const struct surface_face *face)
+{
+    const struct surface_quality q = surface_face_quality(face);
+
+    return (struct store_scan){.noise_mm = q.noise_mm, .quality = q.score};
+}
+
 struct surface_stop sample_stop(const struct sample_options *o)
 {
     return (struct surface_stop){is_stopped, o->stop};

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include "cloudformat.h"
 #include "libsurface.h"
+#include "rows_types.h"
 #include "status.h"
 
 struct cloudpoints; /* cloudpoints.h */
@@ -41,6 +42,9 @@ struct sample_found sample_begin(const struct cloudpoints *c);
 
 /* sample_not_stopped(stop, e): Returns ST_OK; ST_EBUSY: *stop is set.  NULL: it never is. */
 enum status sample_not_stopped(const atomic_bool *stop, struct errinfo *e);
+
+/* sample_counted(face): Returns what the day's counts take of a scan (store_scans()). */
+struct store_scan sample_counted(const struct surface_face *face);
 
 /* sample_stop(o): Returns the cancellation flag of o, for the library. */
 struct surface_stop sample_stop(const struct sample_options *o);

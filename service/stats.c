@@ -3,10 +3,12 @@
 #include <math.h>
 
 #include "describe.h"
+#include "drift.h"
 #include "findings.h"
 #include "store.h"
 #include "json.h"
 #include "show.h"
+#include "utc.h"
 
 static void describe_counts(struct json *j, const struct store_stats *all)
 {
@@ -66,6 +68,61 @@ static void describe_day(struct json *j, const struct store_day *d, bool scores)
     json_close(j);
 }
 
+/* ---- scans */
+
+#define DAY_MS INT64_C(86400000)
+
+/* The Monday of a day; 1970 began with a Thursday. */
+static int64_t week(int64_t day)
+{
+    return day - (day + 3) % 7;
+}
+
+/* The days from day[0] on that are of one week.  Returns their number. */
+static size_t describe_week(struct json *j, const struct store_scans *day, size_t n)
+{
+    const int64_t from = week(day[0].day);
+    struct store_scans sum = {.n = 0};
+    char text[UTC_TEXT];
+    size_t i = 0;
+    double scans;
+
+    for (; i < n && week(day[i].day) == from; i++) {
+        sum.n += day[i].n;
+        sum.unusable += day[i].unusable;
+        sum.noise_um += day[i].noise_um;
+        sum.quality += day[i].quality;
+    }
+    scans = sum.n > 0 ? (double)sum.n : (double)NAN;
+    utc_print(from * DAY_MS, text);
+    text[STORE_DAY] = '\0';
+    json_object(j, NULL);
+    json_text(j, "from", text);
+    json_number(j, "n", (double)sum.n);
+    json_number(j, "unusable", (double)sum.unusable);
+    json_number(j, "noise_mm", (double)sum.noise_um / 1000 / scans);
+    json_number(j, "quality", (double)sum.quality / 1000 / scans);
+    json_close(j);
+    return i;
+}
+
+static void describe_scans(void *arg, const struct drift_token *t)
+{
+    struct json *j = arg;
+    char text[DRIFT_TEXT];
+
+    drift_say(&t->drift, text);
+    json_object(j, NULL);
+    json_text(j, "token", t->name);
+    json_text(j, "token_id", t->id[0] != '\0' ? t->id : NULL);
+    json_text(j, "change", text[0] != '\0' ? text : NULL);
+    json_array(j, "weeks");
+    for (size_t i = 0; i < t->n;)
+        i += describe_week(j, &t->day[i], t->n - i);
+    json_close(j);
+    json_close(j);
+}
+
 enum status stats_describe(struct json *j, struct store *s, const struct store_day *days,
                            size_t n, bool scores, struct errinfo *e)
 {
@@ -87,5 +144,8 @@ enum status stats_describe(struct json *j, struct store *s, const struct store_d
     for (size_t i = 0; i < n; i++)
         describe_day(j, &days[i], scores);
     json_close(j);
-    return ST_OK;
+    json_array(j, "scans");
+    st = drift_each(s, describe_scans, j, e);
+    json_close(j);
+    return st;
 }

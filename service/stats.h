@@ -5,8 +5,8 @@
 
 struct json; /* json.h */
 
-/* stats_describe(j, s, days, n, scores, e): Writes the counts, engine, calibration, findings, and the n days of
- * store_days(), as members of the object that is open in j.
+/* stats_describe(j, s, days, n, scores, e): Writes the counts, engine, calibration, findings, the n days of
+ * store_days(), and the weeks of store_scans() by token, as members of the object that is open in j.
  *   scores  also write each day's histogram of scores: a client that verifies and reads it would learn
  *           the score of a non-match
  * Cost: 10 ms for 100,000 subjects. */

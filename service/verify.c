@@ -112,10 +112,13 @@ static enum status record(struct templates_context *c, struct verification *v,
         .score = v->best.result.score,
         .probe = decision == SURFACE_MATCH ? &probe : NULL,
         .limits = limits};
+    struct store_scan scan;
     enum status st = sample_not_stopped(r->stop, e);
 
     if (st != ST_OK || r->other != NULL)
         return st;
+    scan = sample_counted(*r->face);
+    what.scan = &scan;
     (void)snprintf(outcome, sizeof outcome, "%s%s", templates_decision(decision),
                    r->captured != NULL ? r->captured : "");
     if ((st = replay_look(r->probe, *r->face, &v->templates, v->best.index, &probe, e)) !=

@@ -175,7 +175,7 @@ static enum status copy_table(struct log_txn *from, const struct copying *c,
 static enum status copy_plain(struct log_txn *from, struct log_txn *to, const char *list,
                               const char *add, int n, struct errinfo *e)
 {
-    struct sql_value value[5];
+    struct sql_value value[7];
     struct sql_rows *r;
     enum status st = sql_stream(from->sql, list, NULL, 0, &r, e);
 
@@ -187,7 +187,8 @@ static enum status copy_plain(struct log_txn *from, struct log_txn *to, const ch
     return sql_done(r, st, e);
 }
 
-/* Copies the rows without a MAC: times of last use, scores of the days, failed attempts, used nonces. */
+/* Copies the rows without a MAC: times of last use, scores and scans of the days, failed attempts, used
+ * nonces. */
 static enum status copy_unauthenticated(struct log_txn *from, struct log_txn *to,
                                         struct errinfo *e)
 {
@@ -199,6 +200,12 @@ static enum status copy_unauthenticated(struct log_txn *from, struct log_txn *to
                          "INSERT INTO days (day, decision, daemon, bins) "
                          "VALUES ($1, $2, $3, $4)",
                          4, e)) != ST_OK ||
+        (st = copy_plain(from, to,
+                         "SELECT day, token, daemon, n, unusable, noise_um, quality "
+                         "FROM scans",
+                         "INSERT INTO scans (day, token, daemon, n, unusable, noise_um, "
+                         "quality) VALUES ($1, $2, $3, $4, $5, $6, $7)",
+                         7, e)) != ST_OK ||
         (st = copy_plain(
              from, to,
              "SELECT s.uid, a.token, a.failures, a.at_ms, a.suspicion "

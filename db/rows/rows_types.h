@@ -128,6 +128,24 @@ struct store_day {
     uint32_t bin[STORE_DAY_BINS];
 };
 
+/* A scan that a token sent to verify or to identify. */
+struct store_scan {
+    bool unusable; /* it was refused: no face, or a poor one */
+    double noise_mm,
+        quality; /* as struct surface_quality; not used of an unusable scan */
+};
+
+/* Sums of the scans that a token sent on a day: they name no subject. */
+#define STORE_SCAN_DAYS 84
+struct store_scans {
+    char token[STORE_NAME_MAX + 1]; /* id of the token, or the name of another actor */
+    int64_t day;                    /* days since 1970, UTC */
+    int64_t n;                      /* number of scans that were compared */
+    int64_t unusable;               /* number of scans that were refused */
+    int64_t noise_um;               /* sum of the noise of the n scans, um */
+    int64_t quality;                /* sum of their quality, 1/1000 */
+};
+
 /* Receives a problem, as a line of text. */
 typedef void store_report(void *arg, const char *line);
 

@@ -2,8 +2,10 @@
 
 #include <stdbool.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "app.h"
+#include "dry_run.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "logger.h"
@@ -78,6 +80,16 @@ static void lost(struct request *r, const char *kind, const struct errinfo *e)
     logger_end(&l);
 }
 
+static void refused_scan(struct request *r, const char *outcome)
+{
+    static const struct store_scan unusable = {.unusable = true};
+    struct errinfo e = {0};
+
+    if (store_event_scan(r->app->store, "refused", r->actor, r->subject, outcome,
+                         &unusable, &e) != ST_OK)
+        lost(r, "refused", &e);
+}
+
 void access_event(struct request *r, const char *kind, const char *outcome)
 {
     struct errinfo e = {0};
@@ -108,5 +120,8 @@ void access_refusal(struct request *r)
         return;
     throttle_note(r->app->refusals, request_sender(r), "", false, now);
     (void)snprintf(outcome, sizeof outcome, "%s %s", m->code, r->result.kind);
-    access_event(r, "refused", outcome);
+    if (dry_run_is_refusal((enum status)problem) && strcmp(r->result.kind, "enroll") != 0)
+        refused_scan(r, outcome);
+    else
+        access_event(r, "refused", outcome);
 }

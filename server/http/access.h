@@ -19,7 +19,8 @@ void access_event(struct request *r, const char *kind, const char *outcome);
 #define ACCESS_REFUSALS 120
 
 /* access_refusal(r): Appends an entry "refused" if r is a verification, an identification or an enrolment that was
- * refused with a 4xx, unless the cause has an entry already. */
+ * refused with a 4xx, unless the cause has an entry already.  Counts a scan that could not be verified or
+ * identified as unusable. */
 void access_refusal(struct request *r);
 
 #endif

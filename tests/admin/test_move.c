@@ -61,7 +61,8 @@ static void read_state(const char *where, struct state *s)
         "SELECT mac FROM tokens ORDER BY token_key",
         "SELECT mac FROM calibrations ORDER BY calibration_key",
         "SELECT s.uid FROM attempts a JOIN subjects s USING (subject_key) ORDER BY s.uid",
-        "SELECT nonce FROM nonces ORDER BY nonce"};
+        "SELECT nonce FROM nonces ORDER BY nonce",
+        "SELECT noise_um FROM scans ORDER BY token, day"};
     struct rawdb *d;
 
     s->n = 0;

@@ -35,6 +35,7 @@ static double now_ms(void)
 
 static enum status verify(const struct thread *x, double *ms, struct errinfo *e)
 {
+    const struct store_scan scan = {.noise_mm = 0.25, .quality = 0.9};
     const struct store_probe probe = {
         .read = {"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"}};
     const double begin = now_ms();
@@ -63,6 +64,7 @@ static enum status verify(const struct thread *x, double *ms, struct errinfo *e)
                                                               .outcome = "match",
                                                               .decision = "match",
                                                               .score = 20,
+                                                              .scan = &scan,
                                                               .probe = &probe},
                                        &out, e);
     *ms += now_ms();

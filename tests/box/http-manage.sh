@@ -214,8 +214,8 @@ is "what was decided" "$(get '.rates | [.verifications, .decisions.no_match, .en
 ok "times" jq_true '.latency_ms | .p50 > 0 and .p50 <= .p95 and .p95 <= .p99' "$T/stats"
 is "of no finding nothing is to be done" "$(get '[.findings[] | select(.severity == "ok") | .do] | unique | tojson')" '[null]'
 ctl stats
-is "the command says the same" "$(said '[.counts, .engine, .calibration, .findings, .days] | tojson')" \
-    "$(get '[.counts, .engine, .calibration, .findings, .days] | tojson')"
+is "the command says the same" "$(said '[.counts, .engine, .calibration, .findings, .days, .scans] | tojson')" \
+    "$(get '[.counts, .engine, .calibration, .findings, .days, .scans] | tojson')"
 ctl doctor
 is "and so does doctor" "$(said '[.findings[] | select(.about | IN("templates", "tokens", "token", "attempts", "calibration"))] | tojson')" \
     "$(get '.findings | tojson')"
@@ -243,6 +243,42 @@ req DELETE /v1/subjects/Alice@home/attempts
 send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a2.ply"
 is "and a verification goes on" "$STATUS" 200
 sql "DELETE FROM days WHERE day = '<b>'"
+
+# the scans of a token: those that were compared, and those that were refused
+scans() { get "[.scans[] | select(.token == \"$1\")][0] | $2"; }
+req GET /v1/stats
+is "as many as were decided, the command's among them" "$(get '[.scans[].weeks[].n] | add')" 7
+is "by token" "$(scans me '[.token_id == null, .change, .weeks[0].unusable] | tojson') $(get '[.scans[].token_id | length] | unique | tojson')" \
+    '[false,null,0] [0,32]'
+ok "noise and quality" jq_true '.scans[].weeks[-1] | .noise_mm > 0 and .noise_mm < 1 and .quality > 0.5 and .quality <= 1' "$T/body"
+printf '%s' '{"points": [[0,0,0],[1,0,0],[0,1,0]]}' >"$T/few.json"
+n=$(scans me '.weeks[-1].n')
+send POST /v1/subjects/Alice@home/verify "$JSON" "$T/few.json"
+is "no face" "$STATUS" 422
+send POST /v1/subjects/new/templates "$JSON" "$T/few.json"
+is "not to enroll" "$STATUS" 422
+req GET /v1/stats
+is "it counts as unusable" "$(scans me '.weeks[-1] | [.n, .unusable] | tojson')" "[$n,1]"
+# a day of noise is no change, two are
+days_of() { # days_of NOISE_MM FROM UNTIL: forty scans a day, from so many days ago on
+    sql "WITH RECURSIVE d(i) AS (SELECT $3 UNION ALL SELECT i + 1 FROM d WHERE i < $2)
+        INSERT OR REPLACE INTO scans SELECT date('now', '-' || i || ' days'), token, 0, 40, 1, 40000 * $1, 36000
+        FROM d, (SELECT id AS token FROM tokens WHERE name = 'me')"
+}
+days_of 0.3 30 1
+days_of 0.6 0 0
+req GET /v1/stats
+is "no change" "$(scans me .change)" null
+days_of 0.6 1 0
+req GET /v1/stats
+since=$(LC_ALL=C date -u -d '-1 day' '+%A, %F')
+is "a change" "$(scans me .change)" "noise doubled since $since: 0.60 mm, before 0.30 mm"
+is "a finding" "$(get '.findings[] | select(.about == "scans") | .severity + " " + .what')" "warning me: $(scans me .change)"
+is "weeks" "$(scans me '[.weeks[] | .from] | tojson')" "$(sql "SELECT json_group_array(d) FROM (SELECT DISTINCT date(day, 'weekday 0', '-6 days') AS d FROM scans ORDER BY 1)")"
+"$BUILD/surfacectl" --db "$DB" stats >"$T/out"
+contains "as text" "$T/out" "^me .* scans in 12 weeks, .* mm, quality 0\.[0-9]*; noise doubled since $since"
+"$BUILD/surfacectl" --db "$DB" doctor >"$T/out"
+contains "doctor has it" "$T/out" "^warning *scans *me: noise doubled"
 
 # ---- verified, and as files
 req POST /v1/audit/verify

@@ -135,6 +135,7 @@ static void verify(struct store *s, const char *secret, const char *subject,
                    enum store_record_as as, enum status wanted)
 {
     const struct store_snapshot_of of = {.subject = subject, .token = "t"};
+    const struct store_scan scan = {.noise_mm = 0.25, .quality = 0.9};
     const struct store_probe probe = {
         .read = {"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"}};
     struct surface_face *face = NULL;
@@ -158,6 +159,7 @@ static void verify(struct store *s, const char *secret, const char *subject,
                                                           .template_id = is.t[0].id,
                                                           .outcome = "match",
                                                           .decision = "match",
+                                                          .scan = &scan,
                                                           .probe = &probe},
                                    &out, &e));
     assert_false(out.replayed);

@@ -1,6 +1,8 @@
 /* What a verification reads and writes, in one transaction each.  What is no new scan:
  * tests/box/http-replay.sh. */
 /* link: -Wl,--wrap=sql_begin */
+#include <math.h>
+
 #include "errinfo.h"
 #include "sql.h"
 #include "tempdb.h"
@@ -281,5 +283,85 @@ TEST(test_seen)
     assert_false(created);
     must(store_subject_get(s, "", "alice", &alice, &e));
     assert_int_equal(alice.seen[0], '2');
+    store_close(s);
+}
+
+static void assert_scans(const struct store_scans *is, const char *token, int64_t n,
+                         int64_t unusable, int64_t noise_um, int64_t quality)
+{
+    assert_string_equal(is->token, token);
+    assert_int_equal(is->n, n);
+    assert_int_equal(is->unusable, unusable);
+    assert_int_equal(is->noise_um, noise_um);
+    assert_int_equal(is->quality, quality);
+}
+
+/* What a token sent on a day, of all daemons; no scan that was enrolled before; none that is not of a face. */
+TEST(test_scans)
+{
+    const struct store_scan good = {.noise_mm = 0.25, .quality = 0.9},
+                            poor = {.noise_mm = 1.5, .quality = 0.41234},
+                            bad = {.unusable = true, .noise_mm = 9, .quality = 1},
+                            wrong = {.noise_mm = (double)NAN, .quality = -1};
+    struct store *s = make();
+    struct store_subject alice;
+    const struct store_probe probe = {.read = {NULL}};
+    struct store_record what = {.subject = &alice,
+                                .actor = "north",
+                                .kind = "verify",
+                                .template_id = "",
+                                .outcome = "match",
+                                .scan = &good};
+    struct store_recorded out;
+    struct store_scans *list;
+    size_t n;
+
+    must(store_subject_get(s, "", "alice", &alice, &e));
+    reads = writes = 0;
+    must(store_record_verification(s, &what, &out, &e));
+    assert_transactions(0, 1);
+    what.scan = &poor;
+    must(store_record_verification(s, &what, &out, &e));
+    what.probe = &probe;
+    what.replayed = true;
+    must(store_record_verification(s, &what, &out, &e));
+    must(store_event_scan(s, "refused", "north", "alice", "no_face verify", &bad, &e));
+    must(store_event_scan(s, "identify", "east", "", "no_match of 2", &good, &e));
+    must(store_event_scan(s, "identify", "east", "", "no_match of 2", &wrong, &e));
+    must(store_scans(s, &list, &n, &e));
+    assert_int_equal(n, 2);
+    assert_scans(&list[0], "east", 2, 0, 250, 900);
+    assert_scans(&list[1], "north", 2, 1, 1750, 1312);
+    free(list);
+    /* Of another daemon, of another day; a row that is no number, or of no day. */
+    tempdb_sql("INSERT INTO scans SELECT day, token, 9, 8, 0, 800, 8000 FROM scans "
+               "WHERE token = 'east'");
+    tempdb_sql("INSERT INTO scans VALUES ('2020-02-29', 'east', 0, 1, 1, 1, 1)");
+    tempdb_sql("INSERT INTO scans SELECT day, 'west', 0, 9000000000000, 0, 0, 0 "
+               "FROM scans WHERE token = 'north'");
+    tempdb_sql("INSERT INTO scans VALUES ('9999-99-99', 'west', 0, 1, 1, 1, 1)");
+    must(store_scans(s, &list, &n, &e));
+    assert_int_equal(n, 2);
+    assert_scans(&list[0], "east", 10, 0, 1050, 8900);
+    free(list);
+    must(store_verify(s, NULL, NULL, &e));
+    store_close(s);
+}
+
+/* Of old days nothing is left.  The erasure of a subject leaves the counts, which do not name it. */
+TEST(test_days_trim)
+{
+    struct store *s = make();
+
+    must(tempdb_record(s, "bob", STORE_RECORD_FAILED, &e));
+    must(tempdb_erase(s, "test", "bob", &e));
+    tempdb_sql("INSERT INTO scans VALUES ('2020-02-29', 'east', 0, 1, 1, 1, 1)");
+    tempdb_sql("INSERT INTO days SELECT '2020-02-29', decision, bins, daemon FROM days");
+    must(store_days_trim(s, &e));
+    assert_int_equal(tempdb_count("scans"), 1);
+    assert_int_equal(tempdb_count("scans WHERE day > '2026' AND n = 1"), 1);
+    assert_int_equal(tempdb_count("days"), 1);
+    must(store_days_trim(s, &e));
+    assert_int_equal(tempdb_count("scans"), 1);
     store_close(s);
 }

@@ -172,6 +172,7 @@ void filled_look(struct store *s, char out[FILLED_TEXT])
         "JOIN subjects USING (subject_key)",
         "SELECT json_array(until_ms, hex(nonce)) FROM nonces",
         "SELECT json_array(day, decision, hex(bins)) FROM days",
+        "SELECT json_array(day, token, n, unusable, noise_um, quality) FROM scans",
     };
     char query[300];
 

@@ -304,6 +304,7 @@ struct store_calibration tempdb_calibration(double threshold)
 enum status tempdb_record(struct store *s, const char *subject, enum store_record_as as,
                           struct errinfo *e)
 {
+    static const struct store_scan scan = {.noise_mm = 0.25, .quality = 0.9};
     struct store_subject one;
     struct store_recorded out;
     const enum status st = store_subject_get(s, "", subject, &one, e);
@@ -318,7 +319,8 @@ enum status tempdb_record(struct store *s, const char *subject, enum store_recor
                                                             .template_id = "",
                                                             .outcome = "settled",
                                                             .decision = "no_match",
-                                                            .score = -3},
+                                                            .score = -3,
+                                                            .scan = &scan},
                                      &out, e);
 }
 
