@@ -173,7 +173,8 @@ static enum status keep_fused(const struct surface_face *f, size_t n, double (*k
     return st;
 }
 
-static void give_frames(const struct frames *f, struct surface_frame *frame)
+static void give_frames(const struct frames *f, enum status st,
+                        struct surface_frame *frame)
 {
     for (uint32_t i = 0; i < f->n; i++) {
         const struct frames_one *one = &f->one[i];
@@ -182,6 +183,8 @@ static void give_frames(const struct frames *f, struct surface_frame *frame)
                                           .score = one->score,
                                           .gap_mm = i == f->base ? 0 : one->at.gap_mm,
                                           .found = one->found};
+        if (st == ST_OK)
+            frame[i].adds = one->adds;
     }
 }
 
@@ -223,7 +226,7 @@ enum surface_status surface_fuse(struct surface_work *work, uint32_t n,
         memset(f, 0, sizeof *f);
     if (st == ST_OK) {
         st = fuse(f, work, n, cloud, face, &about);
-        give_frames(f, frame);
+        give_frames(f, st, frame);
         *base = f->base;
         frames_free(f);
     }

@@ -92,7 +92,7 @@ static enum status enroll_fused(struct ctl *c, struct burst *b)
     if (st == ST_OK)
         st = session_build(s, &o, c->work, &b->face[0], &c->e);
     b->found[0] = s->found;
-    ctl_session_tell(s);
+    ctl_session_tell(c, s);
     session_describe(c->out, s);
     if (st != ST_OK)
         return st;

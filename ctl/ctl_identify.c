@@ -170,7 +170,7 @@ static enum status ctl_identify_search(struct ctl *c, const struct loaded *l,
     enum status st = identify_run(&with, l->gallery, &r, &x, &c->e);
 
     if (probe->files)
-        ctl_session_tell(probe);
+        ctl_session_tell(c, probe);
     if (st == ST_OK) {
         x.times.parse = (double)NAN;
         x.times.total = command_clock_ms() - start;

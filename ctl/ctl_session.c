@@ -93,8 +93,63 @@ enum status ctl_session_read(struct ctl *c, struct ctl_session *s)
     return ST_OK;
 }
 
-void ctl_session_tell(const struct session *s)
+/* Appends the parts on this side: ": left cheek", "; left half of eyes, cheeks". */
+static void add_side(char *out, size_t room, int side, const struct session_part *part,
+                     size_t n)
 {
+    static const char *const one[SURFACE_REGIONS] = {
+        [SURFACE_CHEEKS] = "cheek", [SURFACE_EYES] = "eye"};
+    static const char *const half[] = {"right ", "", "left "};
+    const char *between = out[0] == '\0' ? ": " : "; ", *word = half[side + 1];
+    size_t many = 0;
+
+    for (size_t i = 0; i < n; i++)
+        many += part[i].side == side;
+    for (size_t i = 0; i < n; i++) {
+        const bool single = many == 1 && side != 0 && one[part[i].region] != NULL;
+        const size_t len = strlen(out);
+
+        if (part[i].side != side)
+            continue;
+        (void)snprintf(out + len, room - len, "%s%s%s%s", between, word,
+                       word[0] == '\0' || single ? "" : "half of ",
+                       single ? one[part[i].region]
+                              : surface_region_name(part[i].region));
+        between = ", ";
+        word = "";
+    }
+}
+
+static void say_gain(const struct ctl *c, const char *name, const struct surface_gain *g,
+                     double before_mm)
+{
+    struct session_part part[SURFACE_REGIONS];
+    static const int side[] = {0, 1, -1};
+    const size_t n = session_parts(g, part);
+    char share[16] = "none", parts[SURFACE_REGIONS * 40] = "";
+
+    if (g->share >= 0.005)
+        (void)snprintf(share, sizeof share, "%.0f %%", 100 * g->share);
+    if (g->place == 1) {
+        ctl_say(c, "%s  has %s of the face, noise %.2f mm\n", name, share, g->noise_mm);
+        return;
+    }
+    for (int i = 0; i < 3; i++)
+        add_side(parts, sizeof parts, side[i], part, n);
+    ctl_say(c, "%s  adds %s of the face%s; noise %.2f mm -> %.2f mm\n", name, share,
+            parts, before_mm, g->noise_mm);
+}
+
+void ctl_session_tell(const struct ctl *c, const struct session *s)
+{
+    double before_mm = 0;
+
+    for (uint32_t place = 1; place <= s->n; place++)
+        for (size_t i = 0; i < s->n; i++)
+            if (s->frame[i].adds.place == place) {
+                say_gain(c, s->frame[i].name, &s->frame[i].adds, before_mm);
+                before_mm = s->frame[i].adds.noise_mm;
+            }
     for (size_t i = 0; i < s->n; i++)
         if (s->frame[i].why.code != ST_OK)
             (void)fprintf(stderr, "surfacectl: left out: %s\n", s->frame[i].why.msg);

@@ -26,7 +26,8 @@ enum status ctl_session_read(struct ctl *c, struct ctl_session *s);
 /* ctl_session_free(s): Frees the paths and the points. */
 void ctl_session_free(struct ctl_session *s);
 
-/* ctl_session_tell(s): Writes a line to standard error for each frame that was left out. */
-void ctl_session_tell(const struct session *s);
+/* ctl_session_tell(c, s): Says what each frame of a fused face adds, and writes a line to standard error for each
+ * frame that was left out. */
+void ctl_session_tell(const struct ctl *c, const struct session *s);
 
 #endif

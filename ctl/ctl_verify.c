@@ -47,7 +47,7 @@ static enum status ctl_verify_run(struct ctl *c, struct session *probe,
     st = verify_run(&with, &r, &v, &c->e);
     ctl_face_passed_over(&v.templates);
     if (probe->files)
-        ctl_session_tell(probe);
+        ctl_session_tell(c, probe);
     if (st == ST_OK) {
         v.times.parse = NAN;
         v.times.total = command_clock_ms() - start;

@@ -139,6 +139,7 @@ static void session_report(struct session *s, const struct surface_frame *frame,
 
         f->found.scan = frame[k].found;
         f->why.code = st;
+        f->adds = frame[k].adds;
         sample_close(&f->points, &f->found);
         if (st == ST_EPEOPLE || st == ST_EAPART)
             tell_apart(s, number[k], &frame[k]);
@@ -243,6 +244,50 @@ const struct cloudpoints *session_points(const struct session *s)
     return &s->frame[s->base].points;
 }
 
+size_t session_parts(const struct surface_gain *g,
+                     struct session_part out[SURFACE_REGIONS])
+{
+    size_t n = 0;
+
+    for (int r = 0; r < SURFACE_REGIONS; r++) {
+        const double right = g->part[r][0], left = g->part[r][1];
+
+        if (right < SESSION_PART && left < SESSION_PART)
+            continue;
+        out[n++] = right < SESSION_PART ? (struct session_part){r, 1, left}
+                   : left < SESSION_PART
+                       ? (struct session_part){r, -1, right}
+                       : (struct session_part){r, 0, (right + left) / 2};
+    }
+    return n;
+}
+
+static void describe_gain(struct json *j, const struct surface_gain *g)
+{
+    static const char *const side[] = {"right", NULL, "left"};
+    struct session_part part[SURFACE_REGIONS];
+    const size_t n = session_parts(g, part);
+
+    if (g->place == 0) {
+        json_text(j, "adds", NULL);
+        return;
+    }
+    json_object(j, "adds");
+    json_number(j, "place", g->place);
+    json_number(j, "share", g->share);
+    json_array(j, "parts");
+    for (size_t i = 0; i < n; i++) {
+        json_object(j, NULL);
+        json_text(j, "region", surface_region_name(part[i].region));
+        json_text(j, "side", side[part[i].side + 1]);
+        json_number(j, "share", part[i].share);
+        json_close(j);
+    }
+    json_close(j);
+    json_number(j, "noise_mm", g->noise_mm);
+    json_close(j);
+}
+
 void session_describe(struct json *j, const struct session *s)
 {
     json_array(j, "frames");
@@ -260,6 +305,7 @@ void session_describe(struct json *j, const struct session *s)
             json_text(j, "detail", why->msg);
             json_close(j);
         }
+        describe_gain(j, &s->frame[i].adds);
         json_close(j);
     }
     json_close(j);

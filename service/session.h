@@ -29,6 +29,16 @@ struct session_frame {
     struct sample_found found; /* report on the frame */
     /* ST_OK: the frame was used; else the reason why not. */
     struct errinfo why;
+    struct surface_gain
+        adds; /* what the frame adds to those before it; place 0: unknown */
+};
+
+/* A part of the face that a frame adds, at least SESSION_PART of it. */
+#define SESSION_PART 0.25
+struct session_part {
+    enum surface_region region;
+    int side;     /* of the person: -1 right, 1 left, 0 both */
+    double share; /* of that part */
 };
 
 struct session {
@@ -67,8 +77,12 @@ enum status session_build(struct session *s, const struct sample_options *o,
 /* session_points(s): Returns the points of the built face, and their number as read. */
 const struct cloudpoints *session_points(const struct session *s);
 
-/* session_describe(j, s): Writes an array "frames": for each frame its file, whether it was used, and the
- * reason if not. */
+/* session_parts(g, out): Lists the parts of the face that g adds, and returns their number. */
+size_t session_parts(const struct surface_gain *g,
+                     struct session_part out[SURFACE_REGIONS]);
+
+/* session_describe(j, s): Writes an array "frames": for each frame its file, whether it was used, the
+ * reason if not, and what it adds. */
 void session_describe(struct json *j, const struct session *s);
 
 /* session_free(s): Frees the bytes and the points; s is reset to the empty state. */

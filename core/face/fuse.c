@@ -16,6 +16,7 @@
 #include "mem.h"
 #include "model.h"
 #include "pose.h"
+#include "quality.h"
 #include "select.h"
 #include "solve.h"
 
@@ -35,6 +36,10 @@
 
 /* mm: the residual of a frame counts as no less: what is left of the best is not noise. */
 #define FUSE_RESIDUAL_MM 0.2
+
+/* The noise of the mean of some frames is taken at every n-th vertex of the base: less than 2 % of the
+ * time that a frame takes. */
+#define FUSE_NOISE_STRIDE 8
 
 /* The gaps of the cells that both have, and what they depend on. */
 struct fuse_gaps {
@@ -253,6 +258,45 @@ static enum status lay(struct fusing *g, uint32_t i, float *above, float *base_a
     return st;
 }
 
+/* The noise at the base's points, of the base, and of the mean with each frame more, which is that of
+ * mean_at() but for the middle, here the mean so far: so that each frame costs the same. */
+static enum status noise_of(const struct fusing *g, double noise_mm[])
+{
+    struct mesh mean = g->base->surface.mesh;
+    const int32_t *own = mean.z;
+    float *so_far = mem_array(mean.nv, sizeof *so_far);
+    float *all = mem_array(mean.nv, sizeof *all);
+    enum status st = ST_OK;
+
+    mean.z = mem_array(mean.nv, sizeof *mean.z);
+    if (so_far == NULL || all == NULL || mean.z == NULL)
+        st = ST_ENOMEM;
+    for (uint32_t v = 0; st == ST_OK && v < mean.nv; v++)
+        so_far[v] = all[v] = 0.0f;
+    for (uint32_t i = 0; st == ST_OK && i <= g->n; i++) {
+        const float *above = g->above + (size_t)i * mean.nv;
+
+        for (uint32_t v = 0; v < mean.nv; v++) {
+            const float far = above[v] - so_far[v];
+
+            if (fabsf(far) <= (float)FUSE_FAR_MM) { /* NAN is not */
+                const float by =
+                    (float)g->weight[i] *
+                    fminf(1.0f, (float)FUSE_NEAR_MM / fmaxf(fabsf(far), 1e-9f));
+
+                all[v] += by;
+                so_far[v] += by / all[v] * far;
+            }
+            mean.z[v] = own[v] + (int32_t)lrint((double)so_far[v] * LATTICE_PER_MM);
+        }
+        st = quality_noise(&mean, FUSE_NOISE_STRIDE, &g->m->arrays, &noise_mm[i]);
+    }
+    mem_free(so_far);
+    mem_free(all);
+    mem_free(mean.z);
+    return st;
+}
+
 /* The base's points. */
 static enum status fuse_base(struct fusing *g)
 {
@@ -336,7 +380,7 @@ static enum status fuse_others(struct fusing *g, size_t *npts)
 enum status fuse_points(const struct surface_face *base, uint32_t n,
                         const struct surface_face *const f[],
                         const struct fuse_place at[], struct surface_work *w,
-                        struct dvec3 **out, size_t *npts)
+                        struct dvec3 **out, size_t *npts, double noise_mm[])
 {
     struct fusing g = {.base = base, .f = f, .at = at, .n = n, .m = &w->measure};
     size_t most = base->surface.mesh.nv, room = most;
@@ -354,6 +398,8 @@ enum status fuse_points(const struct surface_face *base, uint32_t n,
     g.above = mem_array((n + 2) * most, sizeof *g.above);
     if (g.pts != NULL && g.above != NULL)
         st = fuse_base(&g);
+    if (st == ST_OK)
+        st = noise_of(&g, noise_mm);
     if (st == ST_OK)
         st = fuse_others(&g, npts);
     mem_free(g.above);

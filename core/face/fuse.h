@@ -48,11 +48,12 @@ enum status fuse_register(const struct surface_face *base, const float z[GRID_N]
  * and less if it is far from the median.
  *   f, at  [n] the other frames, and their places over the base
  *   out    receives *npts points, to be released by mem_free(); NULL on failure
+ *   noise_mm  [n + 1] receives the white noise of the base, and of its means with one, two ... others
  * Cost: two locations for each of the other frames.
  * Returns ST_OK, ST_ENOMEM. */
 enum status fuse_points(const struct surface_face *base, uint32_t n,
                         const struct surface_face *const f[],
                         const struct fuse_place at[], struct surface_work *w,
-                        struct dvec3 **out, size_t *npts);
+                        struct dvec3 **out, size_t *npts, double noise_mm[]);
 
 #endif

@@ -123,21 +123,22 @@ static double ring_residual(const struct mesh *m, uint32_t v)
     return fabs(c) / sqrt((1 + a * a + b * b) * (1 + 1 / f.n));
 }
 
-/* White noise along the surface normal, in lattice units, by the median residual, on which
- * edges and spikes have no effect.  r has room for nv / QUALITY_NOISE_STRIDE + 1. */
-static double noise(const struct mesh *m, double *r)
+enum status quality_noise(const struct mesh *m, uint32_t stride, struct scratch *s,
+                          double *out)
 {
+    double *r = scratch_need(s, (m->nv / stride + 1) * sizeof *r);
     size_t n = 0;
 
-    for (uint32_t v = 0; v < m->nv; v += QUALITY_NOISE_STRIDE) {
+    if (r == NULL)
+        return ST_ENOMEM;
+    for (uint32_t v = 0; v < m->nv; v += stride) {
         const double d = ring_residual(m, v);
 
         if (d >= 0)
             r[n++] = d;
     }
-    if (n == 0)
-        return 0;
-    return QUALITY_MEDIAN * select_kth(r, n, n / 2);
+    *out = n == 0 ? 0 : QUALITY_MEDIAN * select_kth(r, n, n / 2) / LATTICE_PER_MM;
+    return ST_OK;
 }
 
 static double hull_area(const struct mesh *m)
@@ -169,14 +170,14 @@ enum status quality_rate(const struct surface *f, double step_mm, struct scratch
 {
     const struct mesh *m = &f->mesh;
     const double area = hull_area(m);
-    double *r, rough, dense, smooth;
+    double rough, dense, smooth, noise;
 
-    if ((r = scratch_need(s, (m->nv / QUALITY_NOISE_STRIDE + 1) * sizeof *r)) == NULL)
+    if (quality_noise(m, QUALITY_NOISE_STRIDE, s, &noise) != ST_OK)
         return ST_ENOMEM;
     rough = relief(m);
     q->coverage = fmin(1, f->measured / area);
     q->density_mm = sqrt(f->measured / m->nv) / LATTICE_PER_MM;
-    q->noise_mm = fmax(noise(m, r) / LATTICE_PER_MM, quality_step(step_mm) / 2);
+    q->noise_mm = fmax(noise, quality_step(step_mm) / 2);
     dense = fmin(1, SURFACE_SPARSE_MM / q->density_mm);
     smooth = fmax(0, 1 - q->noise_mm / QUALITY_NOISE_MAX_MM);
     q->score = fmin(q->coverage, fmin(dense, smooth));

@@ -8,6 +8,7 @@
 #include "vec.h"
 
 struct frame;   /* frame.h */
+struct mesh;    /* mesh.h */
 struct scratch; /* mem.h */
 struct surface; /* surface.h */
 
@@ -21,6 +22,12 @@ enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s)
  * Files in whole millimetres have steps of 1 mm, which the sensor's own noise hides: nothing of a step
  * counts up to 1 mm, all of it from 1.4 mm on. */
 double quality_step(double step_mm);
+
+/* quality_noise(m, stride, s, out): Measures the white noise of m along its normal, mm, at every
+ * stride-th vertex: the median distance from the plane through the neighbours, on which edges and spikes
+ * have no effect.  0 if no vertex has such a plane.  Returns ST_OK, ST_ENOMEM. */
+enum status quality_noise(const struct mesh *m, uint32_t stride, struct scratch *s,
+                          double *out);
 
 /* quality_rate(f, step_mm, s, q): Rates f, and applies the gate.  The noise is at least half of a step
  * that counts: the greatest error of a depth.  Cost: O(nv).

@@ -86,6 +86,12 @@ static bool near(const struct frames *f, uint32_t i)
     return f->one[i].at.gap_mm <= FRAMES_CLOSE_MM + FRAMES_STEP * quality_step(coarser);
 }
 
+static void put_there(const float z[GRID_N], bool there[GRID_N])
+{
+    for (uint32_t i = 0; i < GRID_N; i++)
+        there[i] = !isnan(z[i]);
+}
+
 /* Lays each on the base; *close: all are so near to it that no score is needed. */
 static enum status lay_all(struct frames *f, const float z[GRID_N], bool scored,
                            bool *close)
@@ -101,6 +107,7 @@ static enum status lay_all(struct frames *f, const float z[GRID_N], bool scored,
         if (!one->built || i == f->base)
             continue;
         st = fuse_register(&f->one[f->base].face, z, &one->face, f->w, &one->at, own);
+        put_there(own, one->there);
         *close = *close && near(f, i);
         if (st == ST_OK && scored)
             st = score(f, i, own, &one->score);
@@ -115,6 +122,7 @@ static enum status compare_all(struct frames *f, bool *close)
     float z[GRID_N];
     enum status st = fuse_cells(base, f->w, z);
 
+    put_there(z, f->one[f->base].there);
     if (st == ST_OK)
         st = lay_all(f, z, false, close);
     if (st != ST_OK || *close)
@@ -204,21 +212,61 @@ static enum status find_others(struct frames *f, const struct surface_face *face
 
 /* ---- the fused face */
 
-/* The points of the fused surface. */
+/* The area, on the mean face, that each of n frames has measured and none before it, in all and by halves of
+ * regions; then as shares of what all of them have. */
+static void put_shares(const struct encode_basis *e, uint32_t n,
+                       struct frames_one *const one[])
+{
+    struct surface_gain all = {.share = 0};
+
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const enum surface_region region = grid_region_of(i);
+        const int side = grid_x(i) > 0;
+        uint32_t k = 0;
+        double area;
+
+        while (k < n && !one[k]->there[i])
+            k++;
+        if (k == n || !(e->normal_z[i] > 0.0f))
+            continue;
+        area = 1 / (double)e->normal_z[i];
+        all.share += area;
+        all.part[region][side] += area;
+        one[k]->adds.share += area;
+        one[k]->adds.part[region][side] += area;
+    }
+    for (uint32_t k = 0; k < n; k++) {
+        double *part = &one[k]->adds.part[0][0];
+
+        one[k]->adds.share /= fmax(all.share, 1);
+        for (int i = 0; i < 2 * SURFACE_REGIONS; i++)
+            part[i] /= fmax((&all.part[0][0])[i], 1);
+    }
+}
+
+/* The points of the fused surface, and what each frame adds to it. */
 static enum status fuse(struct frames *f, struct cloudpoints *out)
 {
     const struct surface_face *face[SURFACE_FRAMES_MAX];
     struct fuse_place at[SURFACE_FRAMES_MAX];
-    const struct surface_face *base = &f->one[f->base].face;
+    struct frames_one *one[SURFACE_FRAMES_MAX] = {&f->one[f->base]};
+    double noise_mm[SURFACE_FRAMES_MAX];
     uint32_t n = 0;
+    enum status st;
 
     for (uint32_t i = 0; i < f->n; i++)
         if (i != f->base && f->one[i].st == ST_OK) {
             at[n] = f->one[i].at;
             face[n++] = &f->one[i].face;
+            one[n] = &f->one[i];
         }
     *out = (struct cloudpoints){.unit_mm = 1};
-    return fuse_points(base, n, face, at, f->w, &out->at, &out->n);
+    st = fuse_points(&one[0]->face, n, face, at, f->w, &out->at, &out->n, noise_mm);
+    for (uint32_t k = 0; st == ST_OK && k <= n; k++)
+        one[k]->adds = (struct surface_gain){.place = k + 1, .noise_mm = noise_mm[k]};
+    if (st == ST_OK)
+        put_shares(&f->w->encode, n + 1, one);
+    return st;
 }
 
 /* What is known of the base's scan, with what the gate says of the fused face, which has nothing

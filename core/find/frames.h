@@ -19,6 +19,8 @@ struct frames_one {
     bool built;     /* true: face is a face */
     double score;
     struct fuse_place at;
+    bool there[GRID_N]; /* the base's cells that the frame has measured */
+    struct surface_gain adds;
     struct surface_face face;
     struct surface_found found; /* the caller sets points and kept */
 };
@@ -42,7 +44,7 @@ struct frames {
 enum status frames_add(struct frames *f, struct cloudpoints *c, size_t *bad);
 
 /* frames_fuse(f, out, found): Fuses the faces of all frames (surface_fuse()).  Sets f->base, and st,
- * score and at of the frames.
+ * score, at and adds of the frames.
  *   out  as in face_build()
  * Returns as surface_fuse(). */
 enum status frames_fuse(struct frames *f, struct surface_face *out,

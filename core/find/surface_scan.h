@@ -117,6 +117,17 @@ struct surface_found {
     double fits_mm;
 };
 
+/* What a frame of a fused face adds to the frames before it.  All 0: nothing was fused, or it was left out. */
+struct surface_gain {
+    uint32_t
+        place; /* in the order of fusing, from 1: the base, then the others as given */
+    /* share of the fused face's area that this frame has measured, and no frame before it, 0..1 */
+    double share;
+    /* the same share of the area of each region's half: [0] on the face's own right, [1] on its left */
+    double part[SURFACE_REGIONS][2];
+    double noise_mm; /* white noise of the mean of the frames up to this one */
+};
+
 /* The report on a frame. */
 struct surface_frame {
     /* SURFACE_OK: part of the fused face.  SURFACE_EPEOPLE: another person than in the base.
@@ -125,6 +136,7 @@ struct surface_frame {
     enum surface_status status;
     double score;  /* against the base (surface_comparison); 0 of the base itself */
     double gap_mm; /* median distance from the base; INFINITY: cannot be laid on it */
+    struct surface_gain adds;
     struct surface_found found;
 };
 

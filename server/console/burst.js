@@ -21,16 +21,43 @@ function fit(r, verifying) {
   return [{ kind: "no", icon: "no", title: r.usable ? "Hardly a face" : "Not usable" }, r.detail];
 }
 
+const ONE = { cheeks: "cheek", eyes: "eye" };
+
+/** The parts that a scan adds, as the person calls them: "nose; left cheek". */
+function places(parts) {
+  return [null, "left", "right"].map((side) => {
+    const names = parts.filter((p) => p.side === side).map((p) => p.region);
+    return side && names.length ? `${side} ${names.length === 1 && ONE[names[0]] ? ONE[names[0]] : `half of ${names.join(", ")}`}` : names.join(", ");
+  }).filter(Boolean).join("; ");
+}
+
+/** What a scan adds to those before it, whose last is `before`. */
+function adds(a, before) {
+  const share = percent(a.share);
+  if (!before) return `The others were laid on it. Has ${share} of the face, noise ${mm(a.noise_mm)}.`;
+  const parts = a.parts.length ? `: ${places(a.parts)}` : "";
+  return `Adds ${share === "0 %" ? "no other part" : share} of the face${parts}. Noise ${mm(before.noise_mm)} before, ${mm(a.noise_mm)} with it.`;
+}
+
+/** The part of the face that it adds, behind what those before it have. */
+function bar(a, from) {
+  const [had, new_] = [el("i.had"), el("i")];
+  had.style.width = new_.style.left = `${100 * from}%`;
+  new_.style.width = `${100 * a.share}%`;
+  return el("span.track", { "aria-hidden": "true" }, had, new_);
+}
+
 /** most: as many files are sent at once.  verifying: nobody is to be enrolled.  changed(): the files are others, or may be sent
  *  now.  look(nodes): if given, a scan to be shown. */
 export function createBurst({ most, verifying, changed, look }) {
   const slot = createSlot("", others, most), lens = camera(anew);
   const list = el("ul.card.burst", { hidden: true, "aria-label": "The scans of this sitting" });
-  let scans = []; // {file, r: of the check, nodes, at: [state, why], used}
+  let scans = []; // {file, r: of the check, nodes, at: [state, why], used, adds: in the response}
   let over = false; // they were sent, and no other is
 
   function others() {
     scans = slot.files.map((file) => scans.find((s) => s.file === file) ?? { file, r: null, nodes: null, at: null });
+    for (const s of scans) s.adds = null;
     draw();
     changed();
   }
@@ -44,12 +71,16 @@ export function createBurst({ most, verifying, changed, look }) {
   function draw() {
     list.hidden = scans.length < 2;
     if (list.hidden) return list.replaceChildren();
-    refill(list, ...scans.map((s) => el("li", {},
+    const fused = scans.filter((s) => s.adds).sort((a, b) => a.adds.place - b.adds.place);
+    const before = (s) => fused.slice(0, s.adds.place - 1);
+    refill(list, ...[...fused, ...scans.filter((s) => !s.adds)].map((s) => el("li", {},
       s.nodes ? el("button.quiet.name", { type: "button", title: "Look at it", "aria-label": `Look at ${s.file.name}`, onclick: () => look(s.nodes) }, s.file.name)
         : el("strong.name", {}, s.file.name),
       s.r && meter(qualityOf(s.r)),
       !over && el("button.quiet", { type: "button", title: "Take it out", "aria-label": `Take ${s.file.name} out`, onclick: () => without(s) }, icon("close")),
-      el("p", {}, s.at ? state(s.at[0]) : el("span.dim", {}, "Not looked at yet"), s.at?.[1] && el("span.dim", {}, ` ${bare(s.at[1], s.file)}`)))));
+      el("p", {}, s.at ? state(s.at[0]) : el("span.dim", {}, "Not looked at yet"), s.at?.[1] && el("span.dim", {}, ` ${bare(s.at[1], s.file)}`),
+        s.adds && el("span.dim", {}, ` ${adds(s.adds, before(s).at(-1)?.adds)}`)),
+      s.adds && bar(s.adds, before(s).reduce((sum, b) => sum + b.adds.share, 0)))));
   }
 
   function without(s) {
@@ -87,6 +118,7 @@ export function createBurst({ most, verifying, changed, look }) {
       if (why) scans[i].at = [{ kind: "no", icon: "no", title: frames ? "Left out:" : "Not enrolled:" }, why.detail];
       else if (!refused) scans[i].at = [{ kind: "ok", icon: "yes", title: frames ? "Used" : f.new ? "Enrolled" : "Was enrolled before" }, f.template_id ? `Template ${f.template_id}` : ""];
       scans[i].used = !why;
+      scans[i].adds = f.adds;
     });
     draw();
   }

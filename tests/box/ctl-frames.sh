@@ -38,5 +38,7 @@ ctl_exits 1 verify alice b0.ply
 is "one file" "$(said '.frames')" null
 expect 0 "as text" "$ctl" --db "$DB" verify alice a3.ply a4.ply
 has out '^decision     match$'
+has out '^a[34].ply  has 9[0-9] % of the face, noise 0\.[0-9]* mm$'
+has out '^a[34].ply  adds [0-9none% ]* of the face; noise 0\.[0-9]* mm -> 0\.[0-9]* mm$'
 ctl_exits 0 check-database
 finish

@@ -9,6 +9,11 @@ for k in 0 1 2 3 4 5 6; do
     scan 2 $k "$T/b$k.ply" --pose 5 --shift 5 --noise 0.8
 done
 scan 1 8 "$T/noisy.ply" --noise 6
+for k in 0 1; do # without one side each: side0 has the person's left, which is the picture's right
+    scan 3 $k "$T/whole.xyz" --noise 0.5
+    awk -v by=$((1 - 2 * k)) '$1 * by > -22' "$T/whole.xyz" >"$T/side$k.xyz"
+done
+cp "$T/side0.xyz" "$T/copy.xyz"
 echo 'no scan' >"$T/none.ply"
 awk 'BEGIN { for (i = 0; i < 2000; i++) print i % 50 * 3, int(i / 50) * 4, 0 }' >"$T/plane.xyz"
 
@@ -54,6 +59,7 @@ before=$(stored templates)
 form subjects/erin/templates a0.ply b1.ply a2.ply
 problem "two people" 422 several_people '^b1.ply shows another person than a[02].ply'
 is "each is listed" "$LIST" 'used several_people used'
+is "and what nothing was made of adds nothing" "$(get '[.frames[].adds] | tojson')" '[null,null,null]'
 form subjects/erin/templates none.ply plane.xyz
 problem "no frame has a face" 422 not_a_face 'none of the 2 frames shows a face; plane.xyz: the surface'
 is "each is listed" "$LIST" 'malformed not_a_face'
@@ -63,6 +69,31 @@ problem "another person's session" 409 sample_mismatch
 is "is one attempt" "$(events enroll_mismatch)" 1
 form subjects/alice/templates a3.ply a4.ply
 is "a further one" "$STATUS $LIST" '201 used used'
+
+# ---- what each adds
+# adds FILE...: enrolls them, and sets $ADDS: name, place and parts of each, in the order of fusing
+adds() {
+    form "subjects/new$(stored subjects)/templates" "$@"
+    ADDS=$(get '[.frames | sort_by(.adds.place // 99)[] | .file + (.adds | if . == null then " -" else
+        " \(.place) \([.parts[] | select(.region == "cheeks" and .share > 0.5) | .side // "both"] | join(","))" end)] | join("; ")')
+}
+adds side0.xyz plane.xyz side1.xyz
+case $ADDS in
+side0*) wanted='side0.xyz 1 left; side1.xyz 2 right; plane.xyz -' ;;
+*) wanted='side1.xyz 1 right; side0.xyz 2 left; plane.xyz -' ;;
+esac
+is "a side each" "$STATUS $ADDS" "201 $wanted"
+is "the face is what they have together" "$(get '[.frames[] | .adds.share // 0] | [(add * 100 | round), .[1]] | tojson')" '[100,0]'
+adds side0.xyz copy.xyz
+ok "a copy adds nothing" jq_true '.frames | map(.adds) | sort_by(.place) |
+    (.[0].share > 0.998) and (.[1].share < 0.002) and .[1].parts == [] and (.[1].noise_mm / .[0].noise_mm - 1 | fabs) < 0.02' "$T/body"
+adds a0.ply a1.ply a2.ply a3.ply
+ok "each lowers the noise" jq_true '[.frames | sort_by(.adds.place)[].adds.noise_mm] | . == (sort | reverse) and .[3] < 0.7 * .[0]' "$T/body"
+ok "to the face's own" jq_true '(.frames | map(.adds) | max_by(.place).noise_mm) / .quality.noise_mm - 1 | fabs < 0.15' "$T/body"
+same=$(get '[.frames[].adds] | tojson')
+for k in 0 1 2 3; do cp "$T/a$k.ply" "$T/z$((9 - k)).ply"; done
+form "subjects/renamed/templates" z9.ply z8.ply z7.ply z6.ply
+is "whatever their names" "$(get '[.frames[].adds] | tojson')" "$same"
 
 # ---- verification
 form subjects/alice/verify a5.ply none.ply a6.ply

@@ -159,6 +159,91 @@ TEST(test_gate)
     assert_true(found.residual_mm < found.residual_most);
 }
 
+/* Keeps the points of frame k at which x, mirrored if `by` is -1, is below a limit in the generator's frame. */
+static void keep_side(uint32_t k, double by, double most)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; i < cloud[k].n; i++)
+        if (by * (pts[k][i].x - 4.0 * k) < most)
+            pts[k][n++] = pts[k][i];
+    cloud[k].n = n;
+}
+
+static double parts_of(const struct surface_gain *g, int side)
+{
+    return g->part[SURFACE_CHEEKS][side] + g->part[SURFACE_EYES][side];
+}
+
+/* A copy adds nothing to what it is a copy of, neither area nor less noise. */
+TEST(test_copy)
+{
+    const struct surface_gain *one, *copy;
+
+    take(0, 3, 0.8, 0);
+    take(1, 3, 0.8, 0);
+    memcpy(pts[1], pts[0], sizeof pts[0]);
+    cloud[1].n = cloud[0].n;
+    assert_int_equal(fuse(2), SURFACE_OK);
+    one = &frame[base].adds;
+    copy = &frame[!base].adds;
+    assert_true(one->place == 1 && copy->place == 2);
+    assert_true(one->share > 0.998 && copy->share < 0.002);
+    assert_true(fabs(copy->noise_mm / one->noise_mm - 1) < 0.02);
+    assert_true(fabs(one->noise_mm / frame[base].found.quality.noise_mm - 1) < 0.2);
+}
+
+/* Of two frames that lack a side each the second adds the one that the first lacks, in either order. */
+TEST(test_sides)
+{
+    double share[2];
+
+    for (int first = 0; first < 2; first++) {
+        for (uint32_t k = 0; k < 2; k++) {
+            take(k, 3, 0.3, 0);
+            keep_side(k, (int)k == first ? 1 : -1, 22);
+        }
+        assert_int_equal(fuse(2), SURFACE_OK);
+        for (uint32_t k = 0; k < 2; k++) {
+            const struct surface_gain *g = &frame[k].adds;
+            const int own = (int)k == first ? 0 : 1;
+
+            assert_int_equal(g->place, k == base ? 1 : 2);
+            assert_true(parts_of(g, own) > (k == base ? 1.9 : 1.4));
+            assert_true(parts_of(g, !own) < (k == base ? 0.8 : 0.05));
+        }
+        share[first] = frame[!base].adds.share;
+        assert_true(share[first] > 0.2 && share[first] < 0.4);
+        assert_true(fabs(frame[0].adds.share + frame[1].adds.share - 1) < 1e-9);
+    }
+    assert_true(fabs(share[0] - share[1]) < 0.05);
+}
+
+/* Each frame of white noise lowers that of the mean, to about the fused face's; the frames that are left out have
+ * no place. */
+TEST(test_adds)
+{
+    double before[FRAMES + 1] = {0};
+    size_t placed = 0;
+
+    take_all(3, 1.0);
+    cloud[3].n = 20;
+    assert_int_equal(fuse(FRAMES), SURFACE_OK);
+    for (uint32_t k = 0; k < FRAMES; k++) {
+        const struct surface_gain *g = &frame[k].adds;
+
+        assert_true((g->place == 0) == (k == 3) && g->place < FRAMES);
+        before[g->place] = g->noise_mm;
+        placed += g->place;
+    }
+    assert_int_equal(placed, 1 + 2 + 3 + 4);
+    for (int place = 2; place < FRAMES; place++)
+        assert_true(before[place] < 0.97 * before[place - 1]);
+    assert_true(fabs(before[FRAMES - 1] / found.quality.noise_mm - 1) < 0.1);
+    assert_int_equal(fuse(1), SURFACE_OK);
+    assert_int_equal(frame[0].adds.place, 0);
+}
+
 /* What one frame lacks another one has. */
 TEST(test_holes)
 {

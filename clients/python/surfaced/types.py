@@ -86,10 +86,24 @@ class Refusal(TypedDict):
     detail: str
 
 
+class FramePart(TypedDict):
+    region: str
+    side: Literal["left", "right"] | None
+    share: float
+
+
+class FrameAdds(TypedDict):
+    place: int
+    share: float
+    parts: list[FramePart]
+    noise_mm: float
+
+
 class Frame(TypedDict):
     file: str
     used: bool
     reason: Refusal | None
+    adds: FrameAdds | None
 
 
 class BurstFile(TypedDict):
