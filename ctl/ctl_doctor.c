@@ -116,7 +116,7 @@ static void look_at_folder(struct doctor *d)
 
 static void look_at_wal(struct doctor *d)
 {
-    char name[PATH_MAX], text[200];
+    char name[PATH_MAX], text[200], size[32];
     struct stat sb;
     int64_t pid;
 
@@ -135,8 +135,8 @@ static void look_at_wal(struct doctor *d)
         say(d, FINDINGS_WARNING, "WAL",
             "nothing: the next command checkpoints it; never copy or remove the database or its "
             "WAL alone",
-            "%s is left, %lld bytes: a process that had the database open was killed",
-            name, (long long)sb.st_size);
+            "%s is left, %s: a process that had the database open was killed", name,
+            ctl_bytes((uint64_t)sb.st_size, size));
 }
 
 /* Files that commands left: killed ones, or completed ones for a person to remove. */
@@ -370,6 +370,7 @@ static struct store *look_at_anchor(struct doctor *d)
 /* Verifies the rows against the last change, as the daemon does when it starts. */
 static void look_at_state(struct doctor *d, struct store *s)
 {
+    char changes[FINDINGS_COUNT];
     struct log_end end;
     struct errinfo e;
     enum status st = store_last_change(s, &end, &e);
@@ -377,8 +378,8 @@ static void look_at_state(struct doctor *d, struct store *s)
     if (st == ST_OK)
         st = store_verify(s, NULL, NULL, &e);
     if (st == ST_OK)
-        say(d, FINDINGS_OK, "state", "", "the rows match the change log (%llu changes)",
-            (unsigned long long)end.seq);
+        say(d, FINDINGS_OK, "state", "", "the rows match the change log (%s changes)",
+            findings_count(changes, end.seq));
     else
         say(d, FINDINGS_ERROR, "state",
             st == ST_EREFUSED ? "surfacectl check-database lists the problems; restore a "

@@ -53,7 +53,8 @@ static void print_text(const struct checked *k)
         (void)printf("quality      %.2f", t->found.scan.quality.score);
         ctl_face_reasons(stdout, k->face);
     }
-    (void)printf("enrolment    %s\n", t->enrolment == ST_OK ? "usable" : t->why.msg);
+    (void)printf("enrolment    %s%s\n", t->enrolment == ST_OK ? "usable" : "refused: ",
+                 t->enrolment == ST_OK ? "" : t->why.msg);
     (void)printf("verification %s\n", t->verification != ST_OK ? "refused"
                                       : t->enrolment == ST_ENOTFACE
                                           ? "accepted, but hardly a face"
@@ -76,7 +77,7 @@ static enum status ctl_scan_check(struct ctl *c, const char *path, struct checke
         return ST_OK;
     }
     if (st == ST_OK &&
-        (st = dry_run_run("refused", &k->points, &(struct sample_options){.stop = NULL},
+        (st = dry_run_run(path, &k->points, &(struct sample_options){.stop = NULL},
                           c->work, &k->face, &k->trial)) != ST_OK)
         c->e = k->trial.why;
     return st;

@@ -43,12 +43,9 @@ void findings_describe(struct json *j, const struct finding *f)
     json_text(j, "do", f->todo[0] != '\0' ? f->todo : NULL);
 }
 
-#define GROUPED 32
-
-/* Writes n as it is read: "100,286". */
-static const char *grouped(char out[GROUPED], size_t n)
+const char *findings_count(char out[FINDINGS_COUNT], uint64_t n)
 {
-    size_t at = GROUPED - 1;
+    size_t at = FINDINGS_COUNT - 1;
     int digits = 0;
 
     out[at] = '\0';
@@ -65,7 +62,7 @@ static void look_at_templates(struct findings *x, struct store *s)
 {
     struct store_stats all;
     struct errinfo e;
-    char some[GROUPED], of[GROUPED];
+    char some[FINDINGS_COUNT], of[FINDINGS_COUNT];
     size_t others = 0;
     enum status st = store_stats(s, false, &all, &e);
 
@@ -77,10 +74,11 @@ static void look_at_templates(struct findings *x, struct store *s)
         findings_say(x, FINDINGS_ERROR, "templates",
                      "surfacectl template reencode, or name their model with --model",
                      "%s of %s were made by another engine than %s",
-                     grouped(some, others), grouped(of, all.templates), store_made_by(s));
+                     findings_count(some, others), findings_count(of, all.templates),
+                     store_made_by(s));
     else
         findings_say(x, FINDINGS_OK, "templates", "", "%s, made by this engine",
-                     grouped(of, all.templates));
+                     findings_count(of, all.templates));
 }
 
 static void look_at_tokens(struct findings *x, struct store *s)
@@ -112,7 +110,7 @@ static void look_at_token(struct findings *x, const struct store_attempts *a, si
                           size_t i)
 {
     const char *token = a[i].token;
-    char text[GROUPED];
+    char text[FINDINGS_COUNT];
     size_t tried = 0;
 
     for (size_t j = 0; j < n; j++)
@@ -126,14 +124,14 @@ static void look_at_token(struct findings *x, const struct store_attempts *a, si
             x, FINDINGS_WARNING, "attempts",
             "find out who uses it: surfacectl audit show, attempts list; token revoke ends it",
             "token %s tried %s subjects without a match within a day",
-            token[0] != '\0' ? token : "(none)", grouped(text, tried));
+            token[0] != '\0' ? token : "(none)", findings_count(text, tried));
 }
 
 static void look_at_attempts(struct findings *x, struct store *s)
 {
     struct store_attempts *a = NULL;
     struct errinfo e;
-    char text[GROUPED];
+    char text[FINDINGS_COUNT];
     size_t n = 0, locked = 0;
 
     if (store_attempts_list(s, &a, &n, &e) != ST_OK) {
@@ -148,7 +146,7 @@ static void look_at_attempts(struct findings *x, struct store *s)
     if (locked > 0)
         findings_say(x, FINDINGS_WARNING, "attempts", "see surfacectl attempts list",
                      "%s times in the last day %d verifications or more in a row failed",
-                     grouped(text, locked), MANY_FAILURES);
+                     findings_count(text, locked), MANY_FAILURES);
     free(a);
 }
 

@@ -1,6 +1,7 @@
 /* findings.h -- faults of a database, with advice, for daemon and command. */
 #ifndef SERVICE_FINDINGS_H
 #define SERVICE_FINDINGS_H
+#include <stdint.h>
 #include "store.h"
 
 struct json; /* json.h */
@@ -22,6 +23,11 @@ struct findings {
 __attribute__((format(printf, 5, 6))) void
 findings_say(struct findings *x, enum findings_severity severity, const char *about,
              const char *todo, const char *format, ...);
+
+#define FINDINGS_COUNT 32
+
+/* findings_count(out, n): Writes n as people read it, "100,286", and returns the text, in out. */
+const char *findings_count(char out[FINDINGS_COUNT], uint64_t n);
 
 /* findings_store(x, s): Reports findings on templates, tokens, failed verifications, the quality of scans (drift.h)
  * and the calibration, for the model that s uses.  Does not verify the rows (store_verify()). */

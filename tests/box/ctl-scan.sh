@@ -43,8 +43,12 @@ has out '^verification  *accepted, but hardly a face$'
 expect 1 "the same as JSON" "$ctl" scan --json egg.xyz
 is "nothing is said of its chin" "$(one '.advice | join("; ")')" 'send one face seen from the front, with forehead, nose and chin'
 expect 1 "few points" "$ctl" scan few.xyz
-has out '^enrolment  *refused: 60 points, fewer than 100'
+has out '^enrolment  *refused: few.xyz: 60 points, fewer than 100'
 has out 'move nearer to the scanner, or let'
+expect 1 "unreadable" "$ctl" scan a.off
+has out '^enrolment  *refused: a.off: an OFF file'
+expect 1 "as JSON" "$ctl" scan --json few.xyz
+is "the detail names the file, and is no sentence in a sentence" "$(one '.detail | test("^few.xyz: 60 points")')" true
 expect 1 "a format that is not read" "$ctl" scan --json a.off
 is "it is told" "$(one .code)" malformed
 ok "by its name" jq_true '.scans[0].detail | test("an OFF file, which is not read: send PLY")' out

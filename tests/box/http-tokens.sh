@@ -131,7 +131,7 @@ ok "not which it is" sh -c "! grep -q ends- '$T/body'"
 # ---- a request that outlives its token
 # late TITLE HOW METHOD PATH TYPE FILE: half of the body, the end of the token, the other half.
 late() {
-    AUTH=$(new_token late --scope verify,enroll,manage,delete --expires "$([ "$2" = expires ] && echo 2s || echo 1d)")
+    AUTH=$(new_token late --scope verify,enroll,manage,delete --expires 1d)
     rm -f "$T/go"
     : >"$T/said"
     mkfifo "$T/go"
@@ -140,7 +140,7 @@ late() {
     ok "$1, $2: the token was good" soon grep -q accepted "$T/said"
     case $2 in
     revoked) ctl token revoke "$(sql "SELECT id FROM tokens WHERE name = 'late' AND revoked IS NULL")" ;;
-    expires) sleep 2.2 ;;
+    expires) "$BUILD/forge" "$DB" "$KEY" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'late'" ;;
     esac
     echo >&9
     exec 9>&-

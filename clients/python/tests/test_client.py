@@ -459,6 +459,8 @@ class TestContract(unittest.TestCase):
         rows["Paired"] = schemas["Pairs"]["properties"]["templates"]["items"]
         rows["Pair"] = schemas["Pairs"]["properties"]["pairs"]["items"]
         rows["Frame"] = schemas["Frames"]["items"]
+        rows["FrameAdds"] = rows["Frame"]["properties"]["adds"]
+        rows["FramePart"] = rows["FrameAdds"]["properties"]["parts"]["items"]
         rows["Refusal"] = rows["BurstFile"]["properties"]["refusal"]
         rows["Attempts"] = schemas["Subject"]["properties"]["attempts"]
         rows["AuditEntry"] = schemas["Erased"]["properties"]["audit"]
