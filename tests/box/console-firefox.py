@@ -22,11 +22,14 @@ class Firefox:
         os.makedirs(profile)
         with open(profile + "/user.js", "w", encoding="utf-8") as f:
             f.writelines("user_pref(%s, %s);\n" % (json.dumps(k), json.dumps(v)) for k, v in PREFS.items())
-        # In a window that nobody sees WebGL draws by Mesa's software, if it is told to.
+        # In a window that nobody sees WebGL draws by Mesa's software, if it is told to.  Firefox has an SQLite too,
+        # which is not to be recorded as the store's.
+        env = dict(os.environ, MOZ_WEBGL_FORCE_EGL="1", LIBGL_ALWAYS_SOFTWARE="1")
+        env.pop("RECORD_STATEMENTS", None)
         self.process = subprocess.Popen(
             ["firefox-esr", "--headless", "--marionette", "--remote-allow-system-access", "--no-remote",
              "--window-size=1280,860", "--profile", profile],
-            env=dict(os.environ, MOZ_WEBGL_FORCE_EGL="1", LIBGL_ALWAYS_SOFTWARE="1"),
+            env=env,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.last = 0
         self.socket = self.connect()
