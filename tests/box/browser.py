@@ -192,7 +192,10 @@ def focused(driver):
 
 
 def tab_to(driver, name, most=60):
-    """Tab until an element of this name has the focus."""
+    """Tab until an element of this name has the focus, once there is one that can."""
+    wait(driver, lambda d: d.execute_script("""
+        return [...document.querySelectorAll("a, button, summary, [tabindex]")].some(e =>
+            !e.disabled && (e.getAttribute("aria-label") ?? e.textContent.trim()).endsWith(arguments[0]))""", name))
     for _ in range(most):
         press(driver, Keys.TAB)
         if focused(driver).endswith(name):
