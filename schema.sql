@@ -183,8 +183,8 @@ CREATE TABLE scans (
     unusable INTEGER NOT NULL CHECK (unusable >= 0), -- refused: no face, or a poor one
     noise_um INTEGER NOT NULL CHECK (noise_um >= 0), -- sums of the n scans
     quality  INTEGER NOT NULL CHECK (quality >= 0), -- in 1/1000
-    PRIMARY KEY (day, token, daemon)
-) STRICT;
+    PRIMARY KEY (token, day, daemon) -- the order in which they are listed
+) STRICT, WITHOUT ROWID;
 
 -- From a score to a decision (docs/decision.md): the newest is in force.  Rows are only ever
 -- added; going back to the shipped table is a new row too.

@@ -29,7 +29,7 @@ enum status rows_scan_count(struct log_txn *t, const struct log_act *by,
         t->sql, e,
         "INSERT INTO scans (day, token, daemon, n, unusable, noise_um, quality) "
         "VALUES ($1, $2, $3, $4, $5, $6, $7) "
-        "ON CONFLICT (day, token, daemon) DO UPDATE SET n = scans.n + excluded.n, "
+        "ON CONFLICT (token, day, daemon) DO UPDATE SET n = scans.n + excluded.n, "
         "unusable = scans.unusable + excluded.unusable, "
         "noise_um = scans.noise_um + excluded.noise_um, "
         "quality = scans.quality + excluded.quality",

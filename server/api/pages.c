@@ -30,6 +30,7 @@
 #include "console_people_js.h"
 #include "console_person_js.h"
 #include "console_report_js.h"
+#include "console_scans_js.h"
 #include "console_section_js.h"
 #include "console_slot_js.h"
 #include "console_stage_js.h"
@@ -95,6 +96,7 @@ static struct page {
     PAGE("/console/people.js", JAVASCRIPT, console_people_js),
     PAGE("/console/person.js", JAVASCRIPT, console_person_js),
     PAGE("/console/report.js", JAVASCRIPT, console_report_js),
+    PAGE("/console/scans.js", JAVASCRIPT, console_scans_js),
     PAGE("/console/section.js", JAVASCRIPT, console_section_js),
     PAGE("/console/slot.js", JAVASCRIPT, console_slot_js),
     PAGE("/console/stage.js", JAVASCRIPT, console_stage_js),

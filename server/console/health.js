@@ -1,15 +1,16 @@
-// health.js -- is all well: how much is done and how fast, what is refused, what to mend.  Tokens and
-// calibration are tabs of it.
+// health.js -- is all well: how much is done and how fast, what is refused, what to mend.  The quality of scans,
+// tokens and calibration are tabs of it.
 
 import { get, repeat } from "./api.js";
 import { openCalibration } from "./calibration.js";
 import { chartWidth, count, el, icon, many, plain, refill, span, svg } from "./dom.js";
+import { openScans } from "./scans.js";
 import { openTokens } from "./tokens.js";
 import { choices, failed, waiting } from "./widgets.js";
 import { WHY, outcome } from "./words.js";
 
 /** Name, title, and the scope that it takes. */
-const TABS = [["", "Now", "audit"], ["tokens", "Tokens", "tokens"], ["calibration", "Calibration", "audit"]], EVERY_MS = 5000;
+const TABS = [["", "Now", "audit"], ["scans", "Scans", "audit"], ["tokens", "Tokens", "tokens"], ["calibration", "Calibration", "audit"]], EVERY_MS = 5000;
 const at = (tab) => (tab ? `#health?tab=${tab}` : "#health");
 
 export function open(main, who, asked) {
@@ -19,7 +20,7 @@ export function open(main, who, asked) {
   main.replaceChildren(el("header", {}, el("h1", {}, "Health"), actions),
     el("div.stack", {}, choices("Health", tabs, tab, at), body));
   body.append(waiting());
-  return { "": openNow, tokens: openTokens, calibration: openCalibration }[tab](body, who, actions, asked);
+  return { "": openNow, scans: openScans, tokens: openTokens, calibration: openCalibration }[tab](body, who, actions, asked);
 }
 
 const tile = (value, title, note) => el("section.card.tile", {}, el("h2", {}, title), el("p.figure", {}, value), el("p.dim", {}, note));

@@ -11,7 +11,7 @@ from browser import ALL, FOLDER, ROOT, browser, check, go, one, quiet, run, unlo
 AXE = open(FOLDER + "/node_modules/axe-core/axe.min.js").read()
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
 PAGES = ["try", "identify", "live", "people", "people?subject=person-a", "people?tab=groups", "audit", "health",
-         "health?tab=tokens", "health?tab=calibration"]
+         "health?tab=scans", "health?tab=tokens", "health?tab=calibration"]
 # name, CSS pixels across, device pixels for each, colours
 LOOKS = [("dark, 1440 px", 1440, 1, "dark", False), ("light, 1280 px", 1280, 1, "light", False),
          ("forced colours", 1280, 1, "dark", True), ("768 px", 768, 1, "light", False),

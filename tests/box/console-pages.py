@@ -1,7 +1,9 @@
 """The console's pages where a person is stopped, in a real browser: see browser.py.  The last arguments
 are the daemon's process, which is stopped and goes on, and the command for its database."""
+import datetime
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
@@ -288,7 +290,7 @@ def test_groups(d):
 def test_gone(d):
     """A daemon that does not answer: something is shown, and a button tries again."""
     pages = (("people", "tbody th"), ("people?tab=groups", "tbody th"), ("people?subject=before", ".verdict h2"), ("audit", "tbody tr"), ("health", ".tile"),
-             ("health?tab=tokens", "tbody tr"), ("health?tab=calibration", "output"))
+             ("health?tab=scans", "svg.weeks"), ("health?tab=tokens", "tbody tr"), ("health?tab=calibration", "output"))
     for page, there in pages:
         unlock(d, ALL, page)
         one(d, there)
@@ -326,7 +328,7 @@ def test_upload(d):
 
 
 PAGES = (("people", "tbody th"), ("people?tab=groups", "tbody th"), ("people?subject=locked", ".verdict h2"), ("audit", "tbody tr"), ("health", ".tile"),
-         ("health?tab=tokens", "tbody tr"), ("health?tab=calibration", "output"))
+         ("health?tab=scans", "svg.weeks"), ("health?tab=tokens", "tbody tr"), ("health?tab=calibration", "output"))
 
 OVER = """return [...document.querySelectorAll("main *")].filter((e) => e.checkVisibility() && !e.closest("svg, .sr, thead, pre") &&
     e.scrollWidth > e.clientWidth + 1 && ["auto", "scroll"].includes(getComputedStyle(e).overflowX)).map((e) => e.className)"""
@@ -420,5 +422,57 @@ def test_calibrated(d):
     quiet("calibrated", d)
 
 
+def sent(name, noise_um, first, last, weekly=1):
+    """Forty scans a day by this token, from so many days ago until so many."""
+    db = sqlite3.connect(COMMAND[-1])
+    with db:
+        for i in range(last, first + 1, weekly):
+            day = datetime.datetime.now(datetime.timezone.utc).date() - datetime.timedelta(i)
+            db.execute("INSERT OR REPLACE INTO scans SELECT ?, id, 0, 40, 1, 40 * ?, 40 * ? FROM tokens WHERE name = ?",
+                       (str(day), noise_um + 20 * (i % 3), max(0, 960 - noise_um // 3), name))
+    db.close()
+
+
+def test_scans(d):
+    """A door whose scanner has become worse is told, in a sentence, and first; one that has not is not."""
+    for name in ("east", "north", "<b>west"):
+        token(name, ["verify"])
+    sent("east", 290, 70, 0)
+    sent("north", 310, 80, 0)
+    sent("north", 620, 2, 0)
+    sent("<b>west", 450, 60, 30)
+    unlock(d, token("watch", ["audit"])["secret"], "health")
+    since = datetime.datetime.now(datetime.timezone.utc).date() - datetime.timedelta(2)
+    said = "noise doubled since %s, %s: 0.6" % (since.strftime("%A"), since)
+    some("among what is to be mended", d, ".findings li.unsure", "north: " + said)
+    one(d, ".choices a", "Scans").click()
+    some("the change", d, "tbody .state.unsure", said[0].upper() + said[1:])
+    is_("what has changed is first", texts(d, ".card.table:not(details *) tbody th")[:1], ["north"])
+    is_("nothing else has", len(d.find_elements(By.CSS_SELECTOR, "tbody .state.unsure")), 1)
+    check("a name is a text", "<b>west" in texts(d, "tbody th"), texts(d, "tbody th"))
+    lines = d.find_elements(By.CSS_SELECTOR, "svg.weeks")
+    check("a line for each, with its weeks for whoever does not see it", len(lines) >= 3 and all(
+        e.get_attribute("aria-label").startswith("Noise by week: 20") for e in lines))
+    north = d.find_element(By.CSS_SELECTOR, "svg.weeks.unsure")
+    is_("one point a week", len(north.find_elements(By.TAG_NAME, "circle")), 12)
+    check("it rises to the end", d.execute_script("""const y = [...arguments[0].querySelectorAll("circle")].map((c) => Number(c.getAttribute("cy")));
+        return y.at(-1) < y.at(-3) - 4 || y.at(-2) < y.at(-3) - 4""", north))
+    d.find_element(By.TAG_NAME, "summary").send_keys(Keys.ENTER)
+    some("all weeks, by the keyboard", d, "details tbody td", "0.31 mm")
+    d.find_element(By.TAG_NAME, "summary").send_keys(Keys.ENTER)
+    for width in (1280, 360):
+        for dark in (True, False):
+            look(d, width, dark)
+            time.sleep(0.3)
+            title = "pages-scans-%d-%s" % (width, "dark" if dark else "light")
+            is_(title + ": nothing is wider than the screen", d.execute_script("return document.documentElement.scrollWidth"), width)
+            contrast(title, d)
+            d.save_screenshot(os.path.join(FOLDER, title + ".png"))
+    look(d, 1280, True)
+    one(d, "tbody th a", "north").click()
+    some("what this token did", d, "main h1", "Audit")
+    quiet("scans", d)
+
+
 run(browser(), test_landing, test_reload, test_formats, test_words, test_id, test_states, test_zones, test_erased, test_back, test_people, test_groups, test_health, test_gone,
-    test_upload, test_narrow, test_print, test_forced, test_focus, test_calibrated)
+    test_upload, test_narrow, test_print, test_forced, test_focus, test_calibrated, test_scans)
