@@ -9,8 +9,7 @@
 #include "rows_token.h"
 #include "store_txn.h"
 
-static enum status reset(struct log_txn *t, const struct log_act *by, const char *subject,
-                         struct errinfo *e)
+static enum status reset(struct log_txn *t, const char *subject, struct errinfo *e)
 {
     struct rows_subject of;
     enum status st = rows_subject_find(t, subject, &of, e);
@@ -19,24 +18,22 @@ static enum status reset(struct log_txn *t, const struct log_act *by, const char
     if (st != ST_OK || (st = store_lock_subject(t, of.one.key, e)) != ST_OK ||
         (st = rows_attempts_clear(t, &of.one, e)) != ST_OK)
         return st;
-    return log_change(t, by, "reset_attempts", of.one.uid, "", "", e);
+    return log_change(t, "reset_attempts", of.one.uid, "", "", e);
 }
 
 enum status store_attempts_reset(struct store *s, const char *actor, const char *subject,
                                  struct errinfo *e)
 {
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
     if ((st = ident_subject(subject, e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &t, e)) != ST_OK)
         return st;
-    return store_end(s, &t, reset(&t, &by, subject, e), e);
+    return store_end(s, &t, reset(&t, subject, e), e);
 }
 
-static enum status reset_token(struct log_txn *t, const struct log_act *by,
-                               const char *token, struct errinfo *e)
+static enum status reset_token(struct log_txn *t, const char *token, struct errinfo *e)
 {
     struct rows_token one;
     enum status st = rows_token_get(t, token, &one, e);
@@ -44,20 +41,19 @@ static enum status reset_token(struct log_txn *t, const struct log_act *by,
     if (st != ST_OK || (st = store_lock_token(t, token, e)) != ST_OK ||
         (st = rows_attempts_revoke(t, token, e)) != ST_OK)
         return st;
-    return log_change(t, by, "reset_attempts", NULL, token, one.token.name, e);
+    return log_change(t, "reset_attempts", NULL, token, one.token.name, e);
 }
 
 enum status store_attempts_reset_token(struct store *s, const char *actor,
                                        const char *token, struct errinfo *e)
 {
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
     if ((st = ident_id(token, "token", e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &t, e)) != ST_OK)
         return st;
-    return store_end(s, &t, reset_token(&t, &by, token, e), e);
+    return store_end(s, &t, reset_token(&t, token, e), e);
 }
 
 enum status store_attempts_list(struct store *s, struct store_attempts **out, size_t *n,
@@ -200,16 +196,15 @@ enum status store_attempts_worst(struct store *s, const char *actor, const char 
                                  struct errinfo *e)
 {
     struct rows_subject of;
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
     memset(out, 0, sizeof *out);
     if ((st = ident_subject(subject, e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_READ, &by, &t, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_READ, &t, e)) != ST_OK)
         return st;
     if ((st = rows_subject_find(&t, subject, &of, e)) == ST_OK)
-        st = store_attempts_longest(&t, &of.one, l, by.ms, out, e);
+        st = store_attempts_longest(&t, &of.one, l, t.by.ms, out, e);
     sodium_memzero(&of, sizeof of);
     return store_end(s, &t, st, e);
 }

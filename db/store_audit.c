@@ -354,15 +354,14 @@ enum status store_audit_verify(struct store *s, log_report *report, void *arg,
 
 /* ---- writing */
 
-static enum status add_access(struct log_txn *t, const struct log_act *by,
-                              const char *kind, const char *subject, const char *object,
-                              const char *outcome, struct errinfo *e)
+static enum status add_access(struct log_txn *t, const char *kind, const char *subject,
+                              const char *object, const char *outcome, struct errinfo *e)
 {
     struct rows_subject of = {.revision = 0};
     bool known = false;
 
     if (subject[0] != '\0') {
-        enum status st = store_actor_may(t, by, e); /* of other groups there is none */
+        enum status st = store_actor_may(t, e); /* of other groups there is none */
 
         if (st == ST_OK)
             st = rows_subject_find(t, subject, &of, e);
@@ -374,14 +373,13 @@ static enum status add_access(struct log_txn *t, const struct log_act *by,
             return st;
         known = st == ST_OK;
     }
-    return log_access(t, by, kind, known ? of.one.uid : NULL, object, outcome, e);
+    return log_access(t, kind, known ? of.one.uid : NULL, object, outcome, e);
 }
 
 static enum status add_event(struct store *s, const char *kind, const char *actor,
                              const char *subject, const char *object, const char *outcome,
                              const struct store_scan *scan, struct errinfo *e)
 {
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
@@ -393,14 +391,13 @@ static enum status add_event(struct store *s, const char *kind, const char *acto
                            LOG_TEXT);
     if (subject[0] != '\0' && (st = ident_subject(subject, e)) != ST_OK)
         return st;
-    if ((st = log_act(&by, actor, e)) != ST_OK ||
-        (st = store_begin_use(s, SQL_LAZY, &(struct store_use){.appends = true}, &t,
-                              e)) != ST_OK)
+    st = store_begin_use(s, actor, SQL_LAZY, &(struct store_use){.appends = true}, &t, e);
+    if (st != ST_OK)
         return st;
     if (scan != NULL)
-        st = rows_scan_count(&t, &by, scan, e);
+        st = rows_scan_count(&t, scan, e);
     if (st == ST_OK)
-        st = add_access(&t, &by, kind, subject, object, outcome, e);
+        st = add_access(&t, kind, subject, object, outcome, e);
     return store_end(s, &t, st, e);
 }
 
@@ -418,9 +415,8 @@ enum status store_event_scan(struct store *s, const char *kind, const char *acto
     return add_event(s, kind, actor, subject, "", outcome, scan, e);
 }
 
-static enum status sign(struct log_txn *t, const struct log_act *by, const char *kind,
-                        struct log_entry *out, struct store_audit_place *to,
-                        struct errinfo *e)
+static enum status sign(struct log_txn *t, const char *kind, struct log_entry *out,
+                        struct store_audit_place *to, struct errinfo *e)
 {
     const struct log_place last = {.log = LOG_CHANGES, .newest = true};
     struct log_entry *made = NULL;
@@ -428,8 +424,8 @@ static enum status sign(struct log_txn *t, const struct log_act *by, const char 
     enum status st = log_daemons(t->sql, &to->daemons, e);
 
     for (uint32_t i = 0; i < to->daemons && st == ST_OK; i++)
-        st = log_found(t, by, i, &to->accesses[i], e);
-    if (st != ST_OK || (st = log_change(t, by, kind, NULL, "", "", e)) != ST_OK ||
+        st = log_found(t, i, &to->accesses[i], e);
+    if (st != ST_OK || (st = log_change(t, kind, NULL, "", "", e)) != ST_OK ||
         (st = log_page(t->sql, &last, 1, &made, &n, e)) != ST_OK)
         return st;
     *out = made[0];
@@ -444,13 +440,12 @@ enum status store_audit_sign(struct store *s, const char *actor, const char *kin
                              struct errinfo *e)
 {
     struct store_audit_place end = {.changes = 0};
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
     memset(out, 0, sizeof *out);
-    if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) == ST_OK)
-        st = store_end(s, &t, sign(&t, &by, kind, out, &end, e), e);
+    if ((st = store_act_begin(s, actor, SQL_WRITE, &t, e)) == ST_OK)
+        st = store_end(s, &t, sign(&t, kind, out, &end, e), e);
     if (to != NULL)
         *to = end;
     return st;
@@ -509,8 +504,8 @@ static enum status find_last(struct log_txn *t, uint32_t daemon, const char *unt
     return sql_done(r, st, e);
 }
 
-static enum status cut_off(struct log_txn *t, const struct log_act *by, uint32_t daemon,
-                           const struct log_end *last, struct errinfo *e)
+static enum status cut_off(struct log_txn *t, uint32_t daemon, const struct log_end *last,
+                           struct errinfo *e)
 {
     char outcome[LOG_TEXT + 1], hash[2 * LOG_HASH + 1];
     const enum status st =
@@ -519,7 +514,7 @@ static enum status cut_off(struct log_txn *t, const struct log_act *by, uint32_t
 
     log_trim_text(daemon, last->seq, outcome);
     (void)sodium_bin2hex(hash, sizeof hash, last->hash, LOG_HASH);
-    return st == ST_OK ? log_change(t, by, LOG_TRIM, NULL, hash, outcome, e) : st;
+    return st == ST_OK ? log_change(t, LOG_TRIM, NULL, hash, outcome, e) : st;
 }
 
 struct trimming { /* of one daemon's */
@@ -535,21 +530,20 @@ static enum status trim_batch(struct trimming *x, uint64_t *n, struct errinfo *e
 {
     struct log_end first[LOG_DAEMONS] = {{.seq = 0}};
     char until[UTC_TEXT];
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
     *n = 0;
-    if ((st = store_act_begin(x->store, x->actor, x->dry ? SQL_READ : SQL_WRITE, &by, &t,
+    if ((st = store_act_begin(x->store, x->actor, x->dry ? SQL_READ : SQL_WRITE, &t,
                               e)) != ST_OK)
         return st;
-    utc_print(by.ms > x->days * DAY ? by.ms - x->days * DAY : 0, until);
+    utc_print(t.by.ms > x->days * DAY ? t.by.ms - x->days * DAY : 0, until);
     if (x->last.seq == 0 && (st = find_first(&t, first, e)) == ST_OK)
         x->last = first[x->daemon];
     if (st == ST_OK)
         st = find_last(&t, x->daemon, until, &x->last, n, e);
     if (st == ST_OK && *n > 0 && !x->dry)
-        st = cut_off(&t, &by, x->daemon, &x->last, e);
+        st = cut_off(&t, x->daemon, &x->last, e);
     return store_end(x->store, &t, st, e);
 }
 

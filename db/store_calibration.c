@@ -19,21 +19,20 @@ enum status store_calibration_add(struct store *s, const char *actor,
                                   struct store_calibration *k, struct errinfo *e)
 {
     char version[32];
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
     if (!possible(k))
         return errinfo_set(e, ST_EINVAL, "the calibration's numbers are impossible");
-    if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
+    if ((st = store_act_begin(s, actor, SQL_WRITE, &t, e)) != ST_OK)
         return st;
     k->version = 0;
-    (void)snprintf(k->created, sizeof k->created, "%s", by.at);
+    (void)snprintf(k->created, sizeof k->created, "%s", t.by.at);
     (void)snprintf(k->actor, sizeof k->actor, "%s", actor);
     (void)snprintf(k->engine, sizeof k->engine, "%s", s->made_by);
     if ((st = rows_calibration_add(&t, k, e)) == ST_OK) {
         (void)snprintf(version, sizeof version, "version %" PRId64, k->version);
-        st = log_change(&t, &by, "calibrate", NULL, "", version, e);
+        st = log_change(&t, "calibrate", NULL, "", version, e);
     }
     return store_end(s, &t, st, e);
 }

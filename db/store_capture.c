@@ -93,7 +93,7 @@ static enum status use(struct store *s, const unsigned char nonce[STORE_NONCE],
     struct log_txn t;
     uint64_t n = 0;
     enum status st =
-        store_begin_use(s, SQL_WRITE, &(struct store_use){.subject = 0}, &t, e);
+        store_begin_use(s, NULL, SQL_WRITE, &(struct store_use){.subject = 0}, &t, e);
 
     if (st != ST_OK)
         return st;

@@ -27,7 +27,6 @@ enum status store_device_add(struct store *s, const char *actor, const char *nam
                              const unsigned char public[CRYPT_KEY],
                              struct store_device *out, struct errinfo *e)
 {
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
@@ -36,14 +35,14 @@ enum status store_device_add(struct store *s, const char *actor, const char *nam
         return st;
     if (crypto_core_ed25519_is_valid_point(public) != 1)
         return errinfo_set(e, ST_EINVAL, "not a public key of Ed25519");
-    if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
+    if ((st = store_act_begin(s, actor, SQL_WRITE, &t, e)) != ST_OK)
         return st;
     store_rules_random(out->id, STORE_ID_LEN / 2);
     (void)snprintf(out->name, sizeof out->name, "%s", name);
     memcpy(out->public, public, sizeof out->public);
-    memcpy(out->created, by.at, sizeof by.at);
+    memcpy(out->created, t.by.at, sizeof t.by.at);
     if ((st = rows_device_add(&t, out, e)) == ST_OK)
-        st = log_change(&t, &by, "add_device", NULL, out->id, name, e);
+        st = log_change(&t, "add_device", NULL, out->id, name, e);
     return store_end(s, &t, st, e);
 }
 
@@ -61,15 +60,14 @@ enum status store_device_remove(struct store *s, const char *actor, const char *
                                 struct errinfo *e)
 {
     struct rows_device row;
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
     if ((st = need_name(name, e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &t, e)) != ST_OK)
         return st;
     if ((st = rows_device_find(&t, name, &row, e)) == ST_OK &&
         (st = rows_table_delete(&t, &rows_devices, &row, e)) == ST_OK)
-        st = log_change(&t, &by, "remove_device", NULL, row.one.id, name, e);
+        st = log_change(&t, "remove_device", NULL, row.one.id, name, e);
     return store_end(s, &t, st, e);
 }

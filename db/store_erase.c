@@ -65,9 +65,9 @@ static enum status list_ids(const struct rows_template *row, size_t n,
     return ST_OK;
 }
 
-enum status store_erase_rows(struct log_txn *t, const struct log_act *by,
-                             const struct rows_subject *of, const char *outcome,
-                             struct store_receipt *out, struct errinfo *e)
+enum status store_erase_rows(struct log_txn *t, const struct rows_subject *of,
+                             const char *outcome, struct store_receipt *out,
+                             struct errinfo *e)
 {
     struct rows_template *row = NULL;
     size_t n;
@@ -79,43 +79,42 @@ enum status store_erase_rows(struct log_txn *t, const struct log_act *by,
         st = list_ids(row, n, out, e);
     for (size_t i = 0; st == ST_OK && i < n; i++)
         if ((st = rows_table_delete(t, &rows_templates, &row[i], e)) == ST_OK)
-            st = log_change(t, by, "delete_template", of->one.uid, row[i].one.id,
-                            "deleted", e);
+            st = log_change(t, "delete_template", of->one.uid, row[i].one.id, "deleted",
+                            e);
     free(row);
     if (st != ST_OK || (st = rows_table_delete(t, &rows_subjects, of, e)) != ST_OK)
         return st;
-    return log_change(t, by, "delete_subject", of->one.uid, "", outcome, e);
+    return log_change(t, "delete_subject", of->one.uid, "", outcome, e);
 }
 
 /* The receipt of what has just been done, while the transaction is open. */
-static void give_receipt(const struct log_txn *t, const struct log_act *by,
-                         const struct store_subject *who, struct store_receipt *out)
+static void give_receipt(const struct log_txn *t, const struct store_subject *who,
+                         struct store_receipt *out)
 {
     struct log_entry *entry = &out->entry;
 
     entry->seq = t->changes.seq;
     memcpy(entry->hash, t->changes.hash, sizeof entry->hash);
     memcpy(entry->uid, who->uid, sizeof entry->uid);
-    memcpy(entry->at, by->at, sizeof entry->at);
+    memcpy(entry->at, t->by.at, sizeof entry->at);
     memcpy(out->subject, who->id, sizeof out->subject);
     digest(out, out->digest);
     log_sign(t->crypt, entry, out->digest);
     crypt_public(t->crypt, out->public_key);
 }
 
-static enum status erase_rows(struct log_txn *t, const struct log_act *by,
-                              const char *subject, bool due, struct store_receipt *out,
-                              struct errinfo *e)
+static enum status erase_rows(struct log_txn *t, const char *subject, bool due,
+                              struct store_receipt *out, struct errinfo *e)
 {
     struct rows_subject of;
     enum status st = rows_subject_find(t, subject, &of, e);
 
     if (st == ST_OK && of.one.hold)
         st = errinfo_set(e, ST_EHELD, "subject %s is on hold", subject);
-    if (st == ST_OK && due && !store_rules_past(of.one.expires, by->ms))
+    if (st == ST_OK && due && !store_rules_past(of.one.expires, t->by.ms))
         st = errinfo_set(e, ST_ENOTFOUND, "subject %s has not expired", subject);
-    if (st == ST_OK && (st = store_erase_rows(t, by, &of, "erased", out, e)) == ST_OK)
-        give_receipt(t, by, &of.one, out);
+    if (st == ST_OK && (st = store_erase_rows(t, &of, "erased", out, e)) == ST_OK)
+        give_receipt(t, &of.one, out);
     sodium_memzero(&of, sizeof of);
     return st;
 }
@@ -123,15 +122,14 @@ static enum status erase_rows(struct log_txn *t, const struct log_act *by,
 static enum status erase(struct store *s, const char *actor, const char *subject,
                          bool due, struct store_receipt *out, struct errinfo *e)
 {
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
     memset(out, 0, sizeof *out);
     if ((st = ident_subject(subject, e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &t, e)) != ST_OK)
         return st;
-    st = store_end(s, &t, erase_rows(&t, &by, subject, due, out, e), e);
+    st = store_end(s, &t, erase_rows(&t, subject, due, out, e), e);
     if (st == ST_OK)
         store_scrub(s);
     return st;

@@ -124,13 +124,11 @@ static enum status first_entry(struct store *s, struct log_txn *t, enum crypt_ki
     static const char *const kept[] = {[CRYPT_PLAINTEXT] = "plaintext",
                                        [CRYPT_FILE] = "file",
                                        [CRYPT_PASSPHRASE] = "passphrase"};
-    struct log_act by;
-    const enum status st = log_act(&by, "", e);
+    const enum status st = log_act(&t->by, "", e);
 
     log_txn_create(t);
     atomic_store(&s->verified, true); /* it has no rows */
-    return st == ST_OK ? log_change(t, &by, "create_database", NULL, "", kept[kind], e)
-                       : st;
+    return st == ST_OK ? log_change(t, "create_database", NULL, "", kept[kind], e) : st;
 }
 
 /* Tables, keys and the first entry. */
@@ -443,7 +441,7 @@ void store_follow(struct store *s)
     enum status st;
 
     if (s->anchor == NULL || log_newest(&s->log).seq <= atomic_load(&s->anchored) ||
-        store_begin_use(s, SQL_WRITE, &nothing, &t, NULL) != ST_OK)
+        store_begin_use(s, NULL, SQL_WRITE, &nothing, &t, NULL) != ST_OK)
         return;
     st = sql_settle(t.sql, NULL);
     t.settled = st == ST_OK;

@@ -16,7 +16,6 @@
 struct store_people {
     struct store *store;
     struct log_txn t;
-    struct log_act by;
     int64_t calibration; /* that the caller decides by */
     struct store_calibration newest;
     /* The receiver of the templates that are read at present. */
@@ -28,7 +27,7 @@ struct store_people {
 static enum status read_begin(void *arg, struct errinfo *e)
 {
     struct store_people *p = arg;
-    enum status st = store_actor_may(&p->t, &p->by, e);
+    enum status st = store_actor_may(&p->t, e);
 
     if (sql_goes_on(p->t.sql, st))
         st = rows_calibration_get(&p->t, &p->newest, e);
@@ -49,8 +48,7 @@ enum status store_people_begin(struct store *s, const char *actor, int64_t calib
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     p->store = s;
     p->calibration = calibration;
-    if ((st = log_act(&p->by, actor, e)) == ST_OK &&
-        (st = store_start(s, SQL_READ, NULL, &p->t, e)) == ST_OK) {
+    if ((st = store_start(s, actor, SQL_READ, NULL, &p->t, e)) == ST_OK) {
         store_read_ahead(&p->t, read_begin, p);
         st = store_check(s, &p->t, e);
     }

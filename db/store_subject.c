@@ -53,18 +53,17 @@ enum status store_subject_get(struct store *s, const char *actor, const char *su
                               struct store_subject *out, struct errinfo *e)
 {
     struct rows_subject p;
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
     memset(out, 0, sizeof *out);
     if ((st = ident_subject(subject, e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_READ, &by, &t, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_READ, &t, e)) != ST_OK)
         return st;
     if ((st = store_end(s, &t, rows_subject_find(&t, subject, &p, e), e)) == ST_OK) {
         *out = p.one;
         store_rules_shown(&t, out);
-        out->expired = store_rules_past(out->expires, by.ms);
+        out->expired = store_rules_past(out->expires, t.by.ms);
     }
     sodium_memzero(&p, sizeof p);
     return st;
@@ -246,15 +245,14 @@ enum status store_subject_search(struct store *s, const char *actor,
                                  struct errinfo *e)
 {
     struct store_subject_searching x = {.what = what, .next = what->after};
-    struct log_act by;
     enum status st;
 
     *out = NULL;
     *n = 0;
     if ((x.out = calloc(what->limit, sizeof *x.out)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    if ((st = store_act_begin(s, actor, SQL_READ, &by, &x.t, e)) == ST_OK) {
-        x.now = by.ms;
+    if ((st = store_act_begin(s, actor, SQL_READ, &x.t, e)) == ST_OK) {
+        x.now = x.t.by.ms;
         utc_print(x.now + STORE_ENDING_MS, x.soon);
         st = store_subject_look(&x, e);
         for (size_t i = 0; i < x.n && st == ST_OK; i++)
@@ -274,8 +272,8 @@ enum status store_subject_search(struct store *s, const char *actor,
 /* ---- adding */
 
 /* There must be none yet. */
-static enum status add_row(struct log_txn *t, const struct log_act *by,
-                           struct store_subject *about, struct errinfo *e)
+static enum status add_row(struct log_txn *t, struct store_subject *about,
+                           struct errinfo *e)
 {
     struct rows_subject p;
     enum status st;
@@ -284,9 +282,9 @@ static enum status add_row(struct log_txn *t, const struct log_act *by,
         (st = rows_subject_free(t, about->id, e)) != ST_OK ||
         (st = rows_subject_add(t, about, &p, e)) != ST_OK)
         return st;
-    st = log_change(t, by, "add_subject", p.one.uid, "", "created", e);
+    st = log_change(t, "add_subject", p.one.uid, "", "created", e);
     if (st == ST_OK && !about->identify)
-        st = log_change(t, by, "opt_out", p.one.uid, "", "opted out", e);
+        st = log_change(t, "opt_out", p.one.uid, "", "opted out", e);
     sodium_memzero(&p, sizeof p);
     return st;
 }
@@ -295,7 +293,6 @@ enum status store_subject_add(struct store *s, const char *actor,
                               struct store_subject *about, struct errinfo *e)
 {
     char end[UTC_TEXT], groups[GROUPS_SIZE];
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
@@ -304,14 +301,14 @@ enum status store_subject_add(struct store *s, const char *actor,
         (st = need_note(about->reference, e)) != ST_OK ||
         (st = need_note(about->purpose, e)) != ST_OK ||
         (st = read_end(about->expires, end, e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &t, e)) != ST_OK)
         return st;
     memcpy(about->expires, end, sizeof about->expires);
     memcpy(about->groups, groups, sizeof about->groups);
-    memcpy(about->created, by.at, sizeof about->created);
+    memcpy(about->created, t.by.at, sizeof about->created);
     memset(about->uid, 0, sizeof about->uid); /* a new one */
     about->templates = 0;
-    return store_end(s, &t, add_row(&t, &by, about, e), e);
+    return store_end(s, &t, add_row(&t, about, e), e);
 }
 
 /* ---- changes */
@@ -349,9 +346,8 @@ static enum status change(const struct log_txn *t,
 }
 
 /* The texts of *what are as they are stored. */
-static enum status set_row(struct log_txn *t, const struct log_act *by,
-                           const char *subject, const struct store_subject_change *what,
-                           struct errinfo *e)
+static enum status set_row(struct log_txn *t, const char *subject,
+                           const struct store_subject_change *what, struct errinfo *e)
 {
     const bool text =
         what->reference != NULL || what->purpose != NULL || what->expires != NULL;
@@ -386,7 +382,7 @@ static enum status set_row(struct log_txn *t, const struct log_act *by,
         st = rows_subject_write(t, &p, e);
     for (size_t i = 0; st == ST_OK && i < sizeof event / sizeof *event; i++)
         if (event[i].wanted)
-            st = log_change(t, by, event[i].kind, p.one.uid, "", event[i].outcome, e);
+            st = log_change(t, event[i].kind, p.one.uid, "", event[i].outcome, e);
     sodium_memzero(&p, sizeof p);
     return st;
 }
@@ -396,7 +392,6 @@ enum status store_subject_set(struct store *s, const char *actor, const char *su
 {
     char end[UTC_TEXT], groups[GROUPS_SIZE] = "";
     struct store_subject_change to = *what;
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
@@ -407,28 +402,27 @@ enum status store_subject_set(struct store *s, const char *actor, const char *su
         (what->groups != NULL && (st = groups_read(what->groups, groups, e)) != ST_OK) ||
         (st = read_end(what->expires, end, e)) != ST_OK ||
         (st = ident_subject(subject, e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &t, e)) != ST_OK)
         return st;
-    return store_end(s, &t, set_row(&t, &by, subject, &to, e), e);
+    return store_end(s, &t, set_row(&t, subject, &to, e), e);
 }
 
 enum status store_subject_rename(struct store *s, const char *actor, const char *subject,
                                  const char *to, struct errinfo *e)
 {
     struct rows_subject p = {.revision = 0};
-    struct log_act by;
     struct log_txn t;
     enum status st;
 
     if ((st = ident_subject(to, e)) != ST_OK ||
         (st = ident_subject(subject, e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &t, e)) != ST_OK)
         return st;
     if ((st = rows_subject_find(&t, subject, &p, e)) == ST_OK &&
         (st = rows_subject_free(&t, to, e)) == ST_OK) {
         copy(p.one.id, sizeof p.one.id, to);
         if ((st = rows_subject_write(&t, &p, e)) == ST_OK)
-            st = log_change(&t, &by, "rename_subject", p.one.uid, "", "renamed", e);
+            st = log_change(&t, "rename_subject", p.one.uid, "", "renamed", e);
     }
     sodium_memzero(&p, sizeof p);
     return store_end(s, &t, st, e);

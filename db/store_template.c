@@ -17,7 +17,6 @@
 struct enrolling {
     struct log_txn t;
     const struct store_enroll *what;
-    struct log_act by;
     char outcome[LOG_TEXT + 1];
     unsigned char *encoded; /* has room for each sample's face */
     const char *newest;     /* what->newest, until a template is stored */
@@ -27,7 +26,7 @@ struct enrolling {
 static enum status find_subject(void *arg, struct errinfo *e)
 {
     struct enrolling *g = arg;
-    enum status st = store_actor_may(&g->t, &g->by, e);
+    enum status st = store_actor_may(&g->t, e);
 
     if (sql_goes_on(g->t.sql, st))
         st = rows_subject_find(&g->t, g->what->subject, &g->of, e);
@@ -41,7 +40,7 @@ static enum status need_subject(struct enrolling *g, struct errinfo *e)
     enum status st = find_subject(g, e);
 
     if (st == ST_OK)
-        return rows_subject_seen(&g->t, g->of.one.uid, g->by.at, e);
+        return rows_subject_seen(&g->t, g->of.one.uid, g->t.by.at, e);
     if (st != ST_ENOTFOUND || /* what is not found is there only for others' groups */
         (g->t.groups[0] != '\0' &&
          (st = rows_subject_free(&g->t, g->what->subject, e)) != ST_OK) ||
@@ -50,11 +49,11 @@ static enum status need_subject(struct enrolling *g, struct errinfo *e)
         (st = store_rules_groups(&g->t, about.groups, e)) != ST_OK)
         return st;
     memcpy(about.id, g->what->subject, strlen(g->what->subject) + 1);
-    memcpy(about.created, g->by.at, sizeof about.created);
-    memcpy(about.seen, g->by.at, sizeof about.seen);
+    memcpy(about.created, g->t.by.at, sizeof about.created);
+    memcpy(about.seen, g->t.by.at, sizeof about.seen);
     if ((st = rows_subject_add(&g->t, &about, &g->of, e)) != ST_OK)
         return st;
-    return log_change(&g->t, &g->by, "add_subject", g->of.one.uid, "", "created", e);
+    return log_change(&g->t, "add_subject", g->of.one.uid, "", "created", e);
 }
 
 /* May one more be stored, and was it compared with all that there are? */
@@ -96,7 +95,7 @@ static enum status add_row(struct enrolling *g, const struct store_sample *sampl
     g->newest = NULL;
     if ((st = rows_template_add(&g->t, &g->of, &row, &face, e)) != ST_OK)
         return st;
-    return log_change(&g->t, &g->by, "enroll", g->of.one.uid, t->id, g->outcome, e);
+    return log_change(&g->t, "enroll", g->of.one.uid, t->id, g->outcome, e);
 }
 
 static enum status enroll_row(struct enrolling *g, const struct store_sample *sample,
@@ -124,8 +123,7 @@ static enum status enroll_row(struct enrolling *g, const struct store_sample *sa
     return st;
 }
 
-static enum status describe(const struct store *s, const struct log_act *by,
-                            const struct store_enroll *what,
+static enum status describe(const struct store *s, const struct store_enroll *what,
                             const struct store_sample *sample, struct store_template *t,
                             struct errinfo *e)
 {
@@ -134,7 +132,6 @@ static enum status describe(const struct store *s, const struct log_act *by,
     store_rules_random(t->id, STORE_ID_LEN / 2);
     (void)snprintf(t->subject, sizeof t->subject, "%s", what->subject);
     (void)snprintf(t->label, sizeof t->label, "%s", what->label);
-    (void)snprintf(t->created, sizeof t->created, "%s", by->at);
     (void)snprintf(t->engine, sizeof t->engine, "%s", s->made_by);
     t->points = surface_face_points(f, NULL);
     t->triangles = surface_face_triangles(f, NULL);
@@ -149,7 +146,7 @@ static enum status describe(const struct store *s, const struct log_act *by,
 static enum status enroll_rows(struct store *s, struct enrolling *g,
                                struct store_template *t, bool *created, struct errinfo *e)
 {
-    enum status st = store_start(s, SQL_WRITE, NULL, &g->t, e);
+    enum status st = store_start(s, g->what->actor, SQL_WRITE, NULL, &g->t, e);
 
     if (st != ST_OK)
         return st;
@@ -159,8 +156,10 @@ static enum status enroll_rows(struct store *s, struct enrolling *g,
     st = g->what->seq != 0 && g->what->seq != g->t.changes.seq
              ? errinfo_set(e, ST_ECHANGED, "the database has changed since the search")
              : need_subject(g, e);
-    for (size_t i = 0; st == ST_OK && i < g->what->n; i++)
+    for (size_t i = 0; st == ST_OK && i < g->what->n; i++) {
+        memcpy(t[i].created, g->t.by.at, sizeof g->t.by.at);
         st = enroll_row(g, &g->what->sample[i], &t[i], &created[i], e);
+    }
     sodium_memzero(&g->of, sizeof g->of);
     return store_end(s, &g->t, st, e);
 }
@@ -174,8 +173,7 @@ enum status store_enroll(struct store *s, const struct store_enroll *what,
 
     memset(created, 0, what->n * sizeof *created);
     memset(t, 0, what->n * sizeof *t);
-    if ((st = ident_subject(what->subject, e)) != ST_OK ||
-        (st = log_act(&g.by, what->actor, e)) != ST_OK)
+    if ((st = ident_subject(what->subject, e)) != ST_OK)
         return st;
     if (!utf8_is_text(what->label, STORE_LABEL_MAX))
         return errinfo_set(
@@ -186,7 +184,7 @@ enum status store_enroll(struct store *s, const struct store_enroll *what,
     for (size_t i = 0; i < what->n; i++) {
         const size_t size = surface_encoded_size(what->sample[i].face);
 
-        if ((st = describe(s, &g.by, what, &what->sample[i], &t[i], e)) != ST_OK)
+        if ((st = describe(s, what, &what->sample[i], &t[i], e)) != ST_OK)
             return st;
         room = size > room ? size : room;
     }
@@ -249,7 +247,6 @@ enum status store_template_decode(const struct store *s, const struct store_temp
 /* A template that is being read. */
 struct getting {
     struct log_txn x;
-    struct log_act by;
     const char *id;
     struct rows_template row;
     struct rows_subject of;
@@ -260,7 +257,7 @@ struct getting {
 static enum status get_rows(void *arg, struct errinfo *e)
 {
     struct getting *g = arg;
-    enum status st = store_actor_may(&g->x, &g->by, e);
+    enum status st = store_actor_may(&g->x, e);
 
     if (sql_goes_on(g->x.sql, st))
         st = rows_template_get(&g->x, g->id, &g->row, &g->of, e);
@@ -279,8 +276,7 @@ static enum status get(struct store *s, const char *actor, const char *id,
 
     memset(t, 0, sizeof *t);
     if ((st = ident_id(id, "template", e)) != ST_OK ||
-        (st = log_act(&g.by, actor, e)) != ST_OK ||
-        (st = store_start(s, SQL_READ, NULL, &g.x, e)) != ST_OK)
+        (st = store_start(s, actor, SQL_READ, NULL, &g.x, e)) != ST_OK)
         return st;
     store_read_ahead(&g.x, get_rows, &g);
     if ((st = store_check(s, &g.x, e)) != ST_OK)
@@ -331,14 +327,13 @@ enum status store_template_list(struct store *s, const char *actor, const char *
 {
     struct rows_template *row = NULL;
     struct rows_subject of;
-    struct log_act by;
     struct log_txn x;
     enum status st;
 
     *out = NULL;
     *n = 0;
     if ((st = ident_subject(subject, e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_READ, &by, &x, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_READ, &x, e)) != ST_OK)
         return st;
     if ((st = rows_subject_find(&x, subject, &of, e)) == ST_OK &&
         (st = rows_template_list(&x, &of, &row, n, e)) == ST_OK)
@@ -351,8 +346,7 @@ enum status store_template_list(struct store *s, const char *actor, const char *
 /* ---- deleting */
 
 /* Nothing of a subject on hold is deleted. */
-static enum status delete_row(struct log_txn *x, const struct log_act *by, const char *id,
-                              struct errinfo *e)
+static enum status delete_row(struct log_txn *x, const char *id, struct errinfo *e)
 {
     struct rows_template row;
     struct rows_subject of;
@@ -361,7 +355,7 @@ static enum status delete_row(struct log_txn *x, const struct log_act *by, const
     if (st == ST_OK && of.one.hold)
         st = errinfo_set(e, ST_EHELD, "subject %s is on hold", of.one.id);
     if (st == ST_OK && (st = rows_template_delete(x, &of, &row, e)) == ST_OK)
-        st = log_change(x, by, "delete_template", of.one.uid, id, "deleted", e);
+        st = log_change(x, "delete_template", of.one.uid, id, "deleted", e);
     sodium_memzero(&of, sizeof of);
     return st;
 }
@@ -369,14 +363,13 @@ static enum status delete_row(struct log_txn *x, const struct log_act *by, const
 enum status store_template_delete(struct store *s, const char *actor, const char *id,
                                   struct errinfo *e)
 {
-    struct log_act by;
     struct log_txn x;
     enum status st;
 
     if ((st = ident_id(id, "template", e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &x, e)) != ST_OK)
         return st;
-    st = store_end(s, &x, delete_row(&x, &by, id, e), e);
+    st = store_end(s, &x, delete_row(&x, id, e), e);
     if (st == ST_OK)
         store_scrub(s);
     return st;
@@ -384,8 +377,7 @@ enum status store_template_delete(struct store *s, const char *actor, const char
 
 /* ---- another engine's */
 
-static enum status write_reencoded(struct log_txn *x, const struct log_act *by,
-                                   const struct store_template *t,
+static enum status write_reencoded(struct log_txn *x, const struct store_template *t,
                                    const struct rows_face *face, bool *done,
                                    struct errinfo *e)
 {
@@ -399,7 +391,7 @@ static enum status write_reencoded(struct log_txn *x, const struct log_act *by,
         row.one.triangles = t->triangles;
         row.one.quality = t->quality;
         if ((st = rows_template_write(x, &of, &row, face, e)) == ST_OK)
-            st = log_change(x, by, "reencode", of.one.uid, t->id, "reencoded", e);
+            st = log_change(x, "reencode", of.one.uid, t->id, "reencoded", e);
     }
     sodium_memzero(&of, sizeof of);
     return st;
@@ -412,7 +404,6 @@ enum status store_reencode(struct store *s, const char *actor, const char *id,
     struct rows_face face = {.descriptor = descriptor};
     struct surface_face *f = NULL;
     struct store_template t;
-    struct log_act by;
     struct log_txn x;
     enum status st = store_template_load(s, actor, id, &t, w, &f, e);
 
@@ -427,9 +418,8 @@ enum status store_reencode(struct store *s, const char *actor, const char *id,
             st = errinfo_set(e, ST_ENOMEM, "out of memory");
         else
             surface_encode(f, encoded);
-        if (st == ST_OK &&
-            (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) == ST_OK)
-            st = store_end(s, &x, write_reencoded(&x, &by, &t, &face, done, e), e);
+        if (st == ST_OK && (st = store_act_begin(s, actor, SQL_WRITE, &x, e)) == ST_OK)
+            st = store_end(s, &x, write_reencoded(&x, &t, &face, done, e), e);
     }
     *done = *done && st == ST_OK;
     sodium_memzero(descriptor, sizeof descriptor);

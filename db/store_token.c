@@ -70,7 +70,6 @@ enum status store_token_create(struct store *s, const char *actor, const char *n
                                char secret[65], struct store_token *t, struct errinfo *e)
 {
     struct rows_token one = {.token = {.scopes = scopes}};
-    struct log_act by;
     struct log_txn x;
     enum status st;
 
@@ -83,16 +82,16 @@ enum status store_token_create(struct store *s, const char *actor, const char *n
         return errinfo_set(e, ST_EINVAL, "a token without a scope or an end");
     if ((st = check_end(end_ms, e)) != ST_OK ||
         (st = groups_read(groups, one.token.groups, e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &x, e)) != ST_OK)
         return st;
     store_rules_random(one.token.id, STORE_ID_LEN / 2);
     (void)snprintf(one.token.name, sizeof one.token.name, "%s", name);
-    memcpy(one.token.created, by.at, sizeof by.at);
+    memcpy(one.token.created, x.by.at, sizeof x.by.at);
     print_end(end_ms, one.token.expires);
     new_secret(secret, one.hash);
     if ((st = give_groups(&x, &one.token, e)) == ST_OK &&
         (st = rows_token_add(&x, &one, e)) == ST_OK)
-        st = log_change(&x, &by, "create_token", NULL, one.token.id, name, e);
+        st = log_change(&x, "create_token", NULL, one.token.id, name, e);
     st = store_end(s, &x, st, e);
     *t = one.token;
     if (st != ST_OK)
@@ -100,8 +99,8 @@ enum status store_token_create(struct store *s, const char *actor, const char *n
     return st;
 }
 
-static enum status store_token_rotate_row(struct log_txn *x, const struct log_act *by,
-                                          const char *id, int64_t grace_s, int64_t end_ms,
+static enum status store_token_rotate_row(struct log_txn *x, const char *id,
+                                          int64_t grace_s, int64_t end_ms,
                                           const unsigned char hash[ROWS_TOKEN_HASH],
                                           struct store_token *t, struct errinfo *e)
 {
@@ -115,14 +114,14 @@ static enum status store_token_rotate_row(struct log_txn *x, const struct log_ac
         return errinfo_set(e, ST_EDENIED, "token %s was revoked", id);
     if (end_ms != STORE_SAME_END)
         print_end(end_ms, t->expires);
-    t->expired = store_rules_past(t->expires, by->ms);
-    print_end(grace_s > 0 ? by->ms + grace_s * 1000 : STORE_NEVER, t->old_until);
+    t->expired = store_rules_past(t->expires, x->by.ms);
+    print_end(grace_s > 0 ? x->by.ms + grace_s * 1000 : STORE_NEVER, t->old_until);
     one.token = *t;
     memcpy(one.old_hash, one.hash, sizeof one.old_hash);
     memcpy(one.hash, hash, sizeof one.hash);
     if ((st = rows_token_write(x, &one, e)) != ST_OK)
         return st;
-    return log_change(x, by, "rotate_token", NULL, id, t->name, e);
+    return log_change(x, "rotate_token", NULL, id, t->name, e);
 }
 
 enum status store_token_rotate(struct store *s, const char *actor, const char *id,
@@ -130,7 +129,6 @@ enum status store_token_rotate(struct store *s, const char *actor, const char *i
                                struct store_token *t, struct errinfo *e)
 {
     unsigned char hash[ROWS_TOKEN_HASH];
-    struct log_act by;
     struct log_txn x;
     enum status st;
 
@@ -141,43 +139,40 @@ enum status store_token_rotate(struct store *s, const char *actor, const char *i
                            (long long)(STORE_LIFE_MAX / 86400));
     if ((st = ident_id(id, "token", e)) != ST_OK ||
         (st = check_end(end_ms, e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &x, e)) != ST_OK)
         return st;
     new_secret(secret, hash);
-    st = store_end(s, &x,
-                   store_token_rotate_row(&x, &by, id, grace_s, end_ms, hash, t, e), e);
+    st = store_end(s, &x, store_token_rotate_row(&x, id, grace_s, end_ms, hash, t, e), e);
     if (st != ST_OK)
         sodium_memzero(secret, 65);
     return st;
 }
 
-static enum status revoke(struct log_txn *x, const struct log_act *by, const char *id,
-                          struct errinfo *e)
+static enum status revoke(struct log_txn *x, const char *id, struct errinfo *e)
 {
     struct rows_token one;
     enum status st = rows_token_get(x, id, &one, e);
 
     if (st != ST_OK || one.token.revoked[0] != '\0')
         return st;
-    memcpy(one.token.revoked, by->at, sizeof by->at);
+    memcpy(one.token.revoked, x->by.at, sizeof x->by.at);
     if ((st = rows_token_write(x, &one, e)) != ST_OK ||
         (st = store_lock_token(x, id, e)) != ST_OK ||
         (st = rows_attempts_revoke(x, id, e)) != ST_OK)
         return st;
-    return log_change(x, by, "revoke_token", NULL, id, one.token.name, e);
+    return log_change(x, "revoke_token", NULL, id, one.token.name, e);
 }
 
 enum status store_token_revoke(struct store *s, const char *actor, const char *id,
                                struct errinfo *e)
 {
-    struct log_act by;
     struct log_txn x;
     enum status st;
 
     if ((st = ident_id(id, "token", e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &x, e)) != ST_OK)
         return st;
-    return store_end(s, &x, revoke(&x, &by, id, e), e);
+    return store_end(s, &x, revoke(&x, id, e), e);
 }
 
 /* ---- reading */
@@ -186,18 +181,17 @@ enum status store_token_get(struct store *s, const char *actor, const char *id,
                             struct store_token *out, struct errinfo *e)
 {
     struct rows_token one = {.revision = 0};
-    struct log_act by;
     struct log_txn x;
     enum status st;
 
     memset(out, 0, sizeof *out);
     if ((st = ident_id(id, "token", e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_READ, &by, &x, e)) != ST_OK ||
+        (st = store_act_begin(s, actor, SQL_READ, &x, e)) != ST_OK ||
         (st = store_end(s, &x, rows_token_get(&x, id, &one, e), e)) != ST_OK)
         return st;
     *out = one.token;
     out->revision = one.revision;
-    out->expired = store_rules_past(out->expires, by.ms);
+    out->expired = store_rules_past(out->expires, x.by.ms);
     return ST_OK;
 }
 
@@ -206,13 +200,12 @@ enum status store_token_list(struct store *s, const char *actor, struct store_to
 {
     void *list = NULL;
     size_t all = 0;
-    struct log_act by;
     struct log_txn x;
     enum status st;
 
     *out = NULL;
     *n = 0;
-    if ((st = store_act_begin(s, actor, SQL_READ, &by, &x, e)) != ST_OK)
+    if ((st = store_act_begin(s, actor, SQL_READ, &x, e)) != ST_OK)
         return st;
     st = store_end(s, &x, rows_table_all(&x, &rows_tokens, sizeof **out, &list, &all, e),
                    e);
@@ -220,7 +213,7 @@ enum status store_token_list(struct store *s, const char *actor, struct store_to
     for (size_t i = 0; i < all; i++)
         if (groups_within(x.groups, (*out)[i].groups)) {
             (*out)[*n] = (*out)[i];
-            (*out)[*n].expired = store_rules_past((*out)[*n].expires, by.ms);
+            (*out)[*n].expired = store_rules_past((*out)[*n].expires, x.by.ms);
             ++*n;
         }
     return st;
@@ -296,7 +289,7 @@ enum status store_token_check(struct store *s, const char *secret, struct store_
         return errinfo_set(e, ST_EDENIED, "not a token");
     hash_secret(secret, f.hash);
     if ((st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_start(s, SQL_READ, NULL, &f.x, e)) != ST_OK)
+        (st = store_start(s, NULL, SQL_READ, NULL, &f.x, e)) != ST_OK)
         return st;
     store_read_ahead(&f.x, find_token, &f);
     if ((st = store_check(s, &f.x, e)) != ST_OK)

@@ -122,16 +122,19 @@ static enum status store_txn_check(struct store *s, struct log_txn *t, struct er
     return st;
 }
 
-static enum status store_txn_start(struct store *s, enum sql_begin how, struct log_txn *t,
-                                   struct errinfo *e)
+static enum status store_txn_start(struct store *s, const char *actor, enum sql_begin how,
+                                   struct log_txn *t, struct errinfo *e)
 {
     struct errinfo why;
+    enum status st;
 
     *t = (struct log_txn){.log = &s->log,
                           .crypt = s->crypt,
                           .how = how,
                           .added = LOGS,
                           .before = log_newest(&s->log)};
+    if ((st = log_act(&t->by, actor != NULL ? actor : "", e)) != ST_OK)
+        return st;
     if (store_txn_refused(s, &why))
         return errinfo_set(e, ST_EREFUSED, "%s", why.msg);
     return sql_begin(s->sql, how, &t->sql, e);
@@ -162,7 +165,7 @@ enum status store_txn_verify_alone(struct store *s, store_report *report, void *
 {
     struct errinfo why;
     struct log_txn t;
-    enum status st = store_txn_start(s, SQL_READ, &t, e);
+    enum status st = store_txn_start(s, NULL, SQL_READ, &t, e);
 
     if (st != ST_OK)
         return st;
@@ -190,24 +193,24 @@ static enum status lock(enum sql_begin how, const struct store_use *use,
     return st == ST_OK && use->appends ? log_txn_appends(t, e) : st;
 }
 
-enum status store_start(struct store *s, enum sql_begin how, const struct store_use *use,
-                        struct log_txn *t, struct errinfo *e)
+enum status store_start(struct store *s, const char *actor, enum sql_begin how,
+                        const struct store_use *use, struct log_txn *t, struct errinfo *e)
 {
     enum status st = ST_OK;
 
     if (use != NULL && !atomic_load(&s->verified))
         st = store_txn_verify_alone(s, NULL, NULL, e);
-    if (st == ST_OK && (st = store_txn_start(s, how, t, e)) == ST_OK &&
+    if (st == ST_OK && (st = store_txn_start(s, actor, how, t, e)) == ST_OK &&
         (st = lock(how, use, t, e)) != ST_OK)
         (void)sql_end(t->sql, st, NULL);
     return st;
 }
 
-enum status store_begin_use(struct store *s, enum sql_begin how,
+enum status store_begin_use(struct store *s, const char *actor, enum sql_begin how,
                             const struct store_use *use, struct log_txn *t,
                             struct errinfo *e)
 {
-    const enum status st = store_start(s, how, use, t, e);
+    const enum status st = store_start(s, actor, how, use, t, e);
 
     return st == ST_OK ? store_check(s, t, e) : st;
 }
@@ -236,21 +239,20 @@ enum status store_check(struct store *s, struct log_txn *t, struct errinfo *e)
 enum status store_begin(struct store *s, enum sql_begin how, struct log_txn *t,
                         struct errinfo *e)
 {
-    return store_begin_use(s, how, NULL, t, e);
+    return store_begin_use(s, NULL, how, NULL, t, e);
 }
 
-enum status store_actor_may(struct log_txn *t, const struct log_act *by,
-                            struct errinfo *e)
+enum status store_actor_may(struct log_txn *t, struct errinfo *e)
 {
     struct rows_token one;
     enum status st;
 
-    if (!ident_id_valid(by->actor))
+    if (!ident_id_valid(t->by.actor))
         return ST_OK;
-    st = rows_token_get(t, by->actor, &one, e);
+    st = rows_token_get(t, t->by.actor, &one, e);
     if (st == ST_ENOTFOUND || (st == ST_OK && one.token.revoked[0] != '\0'))
         return errinfo_set(e, ST_ETOKEN, "the token was revoked");
-    if (st == ST_OK && store_rules_past(one.token.expires, by->ms))
+    if (st == ST_OK && store_rules_past(one.token.expires, t->by.ms))
         return errinfo_set(e, ST_ETOKEN, "the token has expired");
     if (st == ST_OK)
         memcpy(t->groups, one.token.groups, sizeof t->groups);
@@ -258,12 +260,11 @@ enum status store_actor_may(struct log_txn *t, const struct log_act *by,
 }
 
 enum status store_act_begin(struct store *s, const char *actor, enum sql_begin how,
-                            struct log_act *by, struct log_txn *t, struct errinfo *e)
+                            struct log_txn *t, struct errinfo *e)
 {
-    enum status st = log_act(by, actor, e);
+    enum status st = store_begin_use(s, actor, how, NULL, t, e);
 
-    if (st == ST_OK && (st = store_begin(s, how, t, e)) == ST_OK &&
-        (st = store_actor_may(t, by, e)) != ST_OK)
+    if (st == ST_OK && (st = store_actor_may(t, e)) != ST_OK)
         return store_end(s, t, st, e);
     return st;
 }

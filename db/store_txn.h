@@ -58,17 +58,19 @@ struct store_use {
 enum status store_begin(struct store *s, enum sql_begin how, struct log_txn *t,
                         struct errinfo *e);
 
-/* store_begin_use(s, how, use, t, e): Begins a transaction with the locks of *use instead of LOG_LOCK_CHANGES.
- * Verifies the rows before if they were not verified yet.  Returns as store_begin(). */
-enum status store_begin_use(struct store *s, enum sql_begin how,
+/* store_begin_use(s, actor, how, use, t, e): Begins a transaction with the locks of *use instead of LOG_LOCK_CHANGES.
+ * Verifies the rows before if they were not verified yet.  Sets t->by to actor (NULL: none) and the present time.
+ * Returns as store_begin(), or ST_EINVAL: actor is not as log_act() wants it. */
+enum status store_begin_use(struct store *s, const char *actor, enum sql_begin how,
                             const struct store_use *use, struct log_txn *t,
                             struct errinfo *e);
 
-/* store_start(s, how, use, t, e): The first step of store_begin_use(), or, if use is NULL, of store_begin():
+/* store_start(s, actor, how, use, t, e): The first step of store_begin_use(), or, if use is NULL, of store_begin():
  * begins t and takes its locks.  The caller may then call store_read_ahead(), and nothing else, until
  * store_check(). */
-enum status store_start(struct store *s, enum sql_begin how, const struct store_use *use,
-                        struct log_txn *t, struct errinfo *e);
+enum status store_start(struct store *s, const char *actor, enum sql_begin how,
+                        const struct store_use *use, struct log_txn *t,
+                        struct errinfo *e);
 
 /* store_read_ahead(t, read, arg): Sends the queries of read(arg, NULL) ahead, between store_start() and
  * store_check(), and, in a transaction that writes, the query for the end of the access log.  After
@@ -125,16 +127,15 @@ void store_scrub(struct store *s);
  * Returns as store_begin(); ST_EIO: the file could not be renamed. */
 enum status store_settle_anchor(struct store *s, const char *path, struct errinfo *e);
 
-/* store_actor_may(t, by, e): Checks that the token of *by is still valid, and sets t->groups to its groups.  A
+/* store_actor_may(t, e): Checks that the token of t->by is still valid, and sets t->groups to its groups.  A
  * client can make a request as long as it likes, and its token may be revoked or may expire between its
  * start and its write.  Actors that are not tokens always pass, and are not bound.  ST_ETOKEN: revoked, or expired. */
-enum status store_actor_may(struct log_txn *t, const struct log_act *by,
-                            struct errinfo *e);
+enum status store_actor_may(struct log_txn *t, struct errinfo *e);
 
-/* store_act_begin(s, actor, how, by, t, e): Runs log_act(), store_begin() and store_actor_may().  On
- * failure t has ended. */
+/* store_act_begin(s, actor, how, t, e): Runs store_begin() for actor, and store_actor_may().  On failure t has
+ * ended. */
 enum status store_act_begin(struct store *s, const char *actor, enum sql_begin how,
-                            struct log_act *by, struct log_txn *t, struct errinfo *e);
+                            struct log_txn *t, struct errinfo *e);
 
 /* store_lock_subject(t, key, e): Takes the lock of a subject's attempts.  A change that writes to them
  * takes it too, before it writes anything of the subject, and before store_lock_token(). */
@@ -143,12 +144,12 @@ enum status store_lock_subject(struct log_txn *t, int64_t key, struct errinfo *e
 /* store_lock_token(t, token, e): Takes the lock of a token's attempts, as store_lock_subject(). */
 enum status store_lock_token(struct log_txn *t, const char *token, struct errinfo *e);
 
-/* store_erase_rows(t, by, of, outcome, out, e): Deletes the subject's row and the rows of its templates, and
+/* store_erase_rows(t, of, outcome, out, e): Deletes the subject's row and the rows of its templates, and
  * appends an entry to the change log for each row.
  *   out  receives the templates' ids; NULL is allowed */
-enum status store_erase_rows(struct log_txn *t, const struct log_act *by,
-                             const struct rows_subject *of, const char *outcome,
-                             struct store_receipt *out, struct errinfo *e);
+enum status store_erase_rows(struct log_txn *t, const struct rows_subject *of,
+                             const char *outcome, struct store_receipt *out,
+                             struct errinfo *e);
 
 /* ---- times, random ids, limits */
 

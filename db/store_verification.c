@@ -26,7 +26,6 @@ struct store_reading {
     unsigned char *head[STORE_TEMPLATES_MAX];
     size_t len[STORE_TEMPLATES_MAX];
     bool read;
-    struct log_act by; /* the token, and the time */
     bool begun, future;
     bool one;    /* a template was asked for, and not a subject */
     bool within; /* the transaction is another one's */
@@ -41,7 +40,7 @@ static enum status read_subject(struct store_snapshot *out, struct errinfo *e)
     if (sql_goes_on(r->t->sql, st))
         st = rows_template_list(r->t, &r->of, &r->row, &out->n, e);
     if (sql_goes_on(r->t->sql, st))
-        st = rows_attempts_find(r->t, &r->of, r->by.actor, r->by.ms, &out->attempts,
+        st = rows_attempts_find(r->t, &r->of, r->t->by.actor, r->t->by.ms, &out->attempts,
                                 &r->future, e);
     return st;
 }
@@ -57,7 +56,7 @@ static enum status read_template(struct store_snapshot *out, struct errinfo *e)
     out->n = 1;
     if ((st = rows_template_get(r->t, r->what->template_id, r->row, &r->of, e)) != ST_OK)
         return st;
-    return rows_attempts_find(r->t, &r->of, r->by.actor, r->by.ms, &out->attempts,
+    return rows_attempts_find(r->t, &r->of, r->t->by.actor, r->t->by.ms, &out->attempts,
                               &r->future, e);
 }
 
@@ -75,7 +74,7 @@ static enum status read_all(void *arg, struct errinfo *e)
     struct store_snapshot *out = arg;
     struct store_reading *r = out->reading;
     struct store_calibration k;
-    enum status st = store_actor_may(r->t, &r->by, e);
+    enum status st = store_actor_may(r->t, e);
 
     if (sql_goes_on(r->t->sql, st))
         st = r->what->subject != NULL ? read_subject(out, e) : read_template(out, e);
@@ -114,14 +113,14 @@ static enum status describe(struct store_snapshot *out, struct errinfo *e)
         out->t[i] = r->row[i].one;
     out->subject = r->of.one;
     store_rules_shown(r->t, &out->subject);
-    out->subject.expired = store_rules_past(out->subject.expires, r->by.ms);
+    out->subject.expired = store_rules_past(out->subject.expires, r->t->by.ms);
     return ST_OK;
 }
 
 static enum status store_snapshot_start(struct store_snapshot *out, struct errinfo *e)
 {
     struct store_reading *r = out->reading;
-    enum status st = store_start(r->store, SQL_READ, NULL, r->t, e);
+    enum status st = store_start(r->store, r->what->token, SQL_READ, NULL, r->t, e);
 
     if (st != ST_OK)
         return st;
@@ -151,8 +150,7 @@ enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of
     r->one = what->template_id != NULL;
     r->within = what->uid != NULL;
     r->t = r->within ? store_people_txn(what->people) : &r->own;
-    if ((st = log_act(&r->by, what->token != NULL ? what->token : "", e)) == ST_OK)
-        st = r->within ? read_found(out, e) : store_snapshot_start(out, e);
+    st = r->within ? read_found(out, e) : store_snapshot_start(out, e);
     return st == ST_OK ? describe(out, e) : st;
 }
 
@@ -193,15 +191,14 @@ enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
 
 static enum status move_future(const struct store_reading *r, struct errinfo *e)
 {
-    const struct store_use use = {.subject = r->of.one.key, .token = r->by.actor};
+    const struct store_use use = {.subject = r->of.one.key, .token = r->t->by.actor};
     struct log_txn t;
-    const enum status st = store_begin_use(r->store, SQL_LAZY, &use, &t, e);
+    const enum status st = store_begin_use(r->store, use.token, SQL_LAZY, &use, &t, e);
 
     if (st != ST_OK)
         return st;
     return store_end(r->store, &t,
-                     rows_attempts_not_after(&t, &r->of.one, r->by.actor, r->by.ms, e),
-                     e);
+                     rows_attempts_not_after(&t, &r->of.one, use.token, t.by.ms, e), e);
 }
 
 enum status store_snapshot_end(struct store_snapshot *out, enum status st,
@@ -239,7 +236,6 @@ void store_snapshot_free(struct store_snapshot *out)
 struct recording {
     struct log_txn t;
     struct store_record what;
-    struct log_act by;
     char
         same[STORE_ID_LEN + 1]; /* template made of one of the probe's frames; "": none */
     struct store_day day;
@@ -262,15 +258,15 @@ static enum status read_before(void *arg, struct errinfo *e)
 {
     struct recording *r = arg;
     const struct store_record *what = &r->what;
-    enum status st = store_actor_may(&r->t, &r->by, e);
+    enum status st = store_actor_may(&r->t, e);
 
     if (sql_goes_on(r->t.sql, st))
-        st = rows_attempts_get(&r->t, what->subject, what->actor, r->by.ms, &r->out->now,
-                               &r->future, e);
+        st = rows_attempts_get(&r->t, what->subject, what->actor, r->t.by.ms,
+                               &r->out->now, &r->future, e);
     if (sql_goes_on(r->t.sql, st) && what->probe != NULL)
         st = find_same(r, e);
     if (sql_goes_on(r->t.sql, st) && what->decision != NULL)
-        st = rows_day_get(&r->t, r->by.at, what->decision, &r->day, e);
+        st = rows_day_get(&r->t, r->t.by.at, what->decision, &r->day, e);
     return st;
 }
 
@@ -331,7 +327,7 @@ enum status store_record_attempt(struct log_txn *t, const struct store_record *w
 }
 
 /* "3 failures until 2026-11-30T01:24:54.000Z" */
-static void print_lockout(const struct store_record *what, const struct log_act *by,
+static void print_lockout(const struct store_record *what, int64_t now_ms,
                           const struct store_attempts *was, char out[LOG_TEXT + 1])
 {
     struct store_attempts now = *was;
@@ -340,30 +336,28 @@ static void print_lockout(const struct store_record *what, const struct log_act 
 
     now.failures++;
     now.age_ms = 0;
-    utc_print(by->ms + store_attempts_wait_ms(what->limits, &now, &why), until);
+    utc_print(now_ms + store_attempts_wait_ms(what->limits, &now, &why), until);
     (void)snprintf(out, LOG_TEXT + 1, "%" PRIu64 " failures until %s",
                    (uint64_t)now.failures + now.others, until);
 }
 
 static enum status add_events(struct log_txn *t, const struct store_record *what,
-                              const struct log_act *by, const struct store_recorded *out,
-                              struct errinfo *e)
+                              const struct store_recorded *out, struct errinfo *e)
 {
     static const char *const kind[STORE_WARNINGS] = {"locked_out", "many_subjects",
                                                      "attempts_pattern"};
     const unsigned char *uid = what->subject->uid;
     char outcome[STORE_WARNINGS][LOG_TEXT + 1];
-    enum status st =
-        log_access(t, by, what->kind, uid, what->template_id, what->outcome, e);
+    enum status st = log_access(t, what->kind, uid, what->template_id, what->outcome, e);
 
-    print_lockout(what, by, &out->now, outcome[STORE_LOCKED_OUT]);
+    print_lockout(what, t->by.ms, &out->now, outcome[STORE_LOCKED_OUT]);
     (void)snprintf(outcome[STORE_MANY_SUBJECTS], sizeof outcome[0],
                    "%" PRIu32 " subjects", out->now.tried_warn + 1);
     (void)snprintf(outcome[STORE_ATTEMPTS_PATTERN], sizeof outcome[0],
                    "failures between matches");
     for (unsigned i = 0; st == ST_OK && i < STORE_WARNINGS; i++)
         if ((out->warnings & 1U << i) != 0)
-            st = log_access(t, by, kind[i], uid, "", outcome[i], e);
+            st = log_access(t, kind[i], uid, "", outcome[i], e);
     return st;
 }
 
@@ -379,12 +373,12 @@ static enum status write_all(struct recording *r, struct errinfo *e)
     if ((r->what.decision != NULL && !out->replayed &&
          (st = rows_day_count(&r->t, &r->day, r->what.score, e)) != ST_OK) ||
         (r->what.scan != NULL && !out->replayed &&
-         (st = rows_scan_count(&r->t, &r->by, r->what.scan, e)) != ST_OK) ||
-        (st = store_record_attempt(&r->t, &r->what, r->by.ms, out, e)) != ST_OK ||
-        (st = add_events(&r->t, &r->what, &r->by, out, e)) != ST_OK ||
-        store_rules_recent(r->what.subject->seen, r->by.ms))
+         (st = rows_scan_count(&r->t, r->what.scan, e)) != ST_OK) ||
+        (st = store_record_attempt(&r->t, &r->what, r->t.by.ms, out, e)) != ST_OK ||
+        (st = add_events(&r->t, &r->what, out, e)) != ST_OK ||
+        store_rules_recent(r->what.subject->seen, r->t.by.ms))
         return st;
-    return rows_subject_seen(&r->t, r->what.subject->uid, r->by.at, e);
+    return rows_subject_seen(&r->t, r->what.subject->uid, r->t.by.at, e);
 }
 
 enum status store_record_verification(struct store *s, const struct store_record *what,
@@ -398,8 +392,8 @@ enum status store_record_verification(struct store *s, const struct store_record
     enum status st;
 
     *out = (struct store_recorded){.why = STORE_WAIT_NONE};
-    if ((st = log_act(&r.by, what->actor, e)) != ST_OK ||
-        (st = store_start(s, failed ? SQL_WRITE : SQL_LAZY, &use, &r.t, e)) != ST_OK)
+    st = store_start(s, what->actor, failed ? SQL_WRITE : SQL_LAZY, &use, &r.t, e);
+    if (st != ST_OK)
         return st;
     store_read_ahead(&r.t, read_before, &r);
     if ((st = store_check(s, &r.t, e)) != ST_OK)
@@ -459,8 +453,8 @@ enum status store_days_trim(struct store *s, struct errinfo *e)
 
     if ((st = days_begin(STORE_DAYS, scores, e)) != ST_OK ||
         (st = days_begin(STORE_SCAN_DAYS, scans, e)) != ST_OK ||
-        (st = store_begin_use(s, SQL_LAZY, &(struct store_use){.subject = 0}, &t, e)) !=
-            ST_OK)
+        (st = store_begin_use(s, NULL, SQL_LAZY, &(struct store_use){.subject = 0}, &t,
+                              e)) != ST_OK)
         return st;
     if ((st = SQL_RUN(t.sql, e, "DELETE FROM days WHERE day < $1", sql_text(scores))) ==
         ST_OK)

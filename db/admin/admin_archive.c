@@ -16,7 +16,7 @@
 
 struct exporting {
     struct store *s;
-    struct log_act by;
+    const char *actor;
     char *const *subjects;
     size_t n; /* 0: all */
     struct log_txn *to;
@@ -31,11 +31,11 @@ static enum status export_subject(void *arg, struct log_txn *from,
     enum status st;
 
     if ((st = admin_copy_subject(x->to, from, of, e)) != ST_OK ||
-        (st = store_begin_use(x->s, SQL_LAZY, &(struct store_use){.appends = true}, &t,
-                              e)) != ST_OK)
+        (st = store_begin_use(x->s, x->actor, SQL_LAZY,
+                              &(struct store_use){.appends = true}, &t, e)) != ST_OK)
         return st;
-    return store_end(x->s, &t,
-                     log_access(&t, &x->by, "export", of->one.uid, "", "exported", e), e);
+    return store_end(x->s, &t, log_access(&t, "export", of->one.uid, "", "exported", e),
+                     e);
 }
 
 static enum status export_subjects(void *arg, struct log_txn *from, struct log_txn *to,
@@ -64,7 +64,7 @@ enum status admin_export(struct store *s, const char *actor, char *const *subjec
                          size_t n, const char *path, const struct crypt_file *k,
                          bool replace, struct admin_copied *out, struct errinfo *e)
 {
-    struct exporting x = {.s = s, .subjects = subjects, .n = n};
+    struct exporting x = {.s = s, .actor = actor, .subjects = subjects, .n = n};
     unsigned char digits[CRYPT_KEY];
     const enum crypt_kind kind =
         crypt_file_key(k, "", digits, NULL) == ST_OK ? CRYPT_FILE : CRYPT_PASSPHRASE;
@@ -72,22 +72,19 @@ enum status admin_export(struct store *s, const char *actor, char *const *subjec
     struct newfile file = NEWFILE_NONE;
     struct crypt *crypt = NULL;
     struct crypt_root root;
-    struct log_act nobody; /* the archive does not say who made it */
-    struct admin_copy c = {.root = &root,
-                           .key = &key,
-                           .fill = export_subjects,
-                           .arg = &x,
-                           .by = &nobody,
-                           .kind = "create_archive",
-                           .outcome = "exported"};
+    struct admin_copy c = {
+        .root = &root,
+        .key = &key,
+        .fill = export_subjects,
+        .arg = &x,
+        .kind = "create_archive", /* the archive does not say who made it */
+        .outcome = "exported"};
     enum status st;
 
     sodium_memzero(digits, sizeof digits);
     if (!replace && !newfile_missing(path))
         return errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", path);
     if ((st = sql_file_may_be(path, e)) == ST_OK &&
-        (st = log_act(&x.by, actor, e)) == ST_OK &&
-        (st = log_act(&nobody, "", e)) == ST_OK &&
         (st = crypt_file_root(k, path, kind, &root, &crypt, e)) == ST_OK) {
         c.crypt = crypt;
         if ((st = admin_copy(s, path, &c, &file, e)) == ST_OK)
@@ -103,7 +100,6 @@ enum status admin_export(struct store *s, const char *actor, char *const *subjec
 
 struct importing {
     struct log_txn *to;
-    struct log_act by;
     const char *made_by;
     struct admin_imported *out;
     struct rows_subject as; /* the last subject, as it is here */
@@ -187,7 +183,7 @@ static enum status import_template(void *arg, struct rows_template *row,
         return st;
     m->templates++;
     m->out->new_templates++;
-    return log_change(m->to, &m->by, "import", m->as.one.uid, t->id, "created", e);
+    return log_change(m->to, "import", m->as.one.uid, t->id, "created", e);
 }
 
 static enum status import_subject(void *arg, struct log_txn *from,
@@ -204,7 +200,7 @@ static enum status import_subject(void *arg, struct log_txn *from,
     if (st == ST_ENOTFOUND &&
         (st = rows_subject_add(m->to, &of->one, &m->as, e)) == ST_OK) {
         m->out->new_subjects++;
-        st = log_change(m->to, &m->by, "import", of->one.uid, "", "created", e);
+        st = log_change(m->to, "import", of->one.uid, "", "created", e);
     }
     return st == ST_OK ? admin_each_template(from, of, import_template, m, e) : st;
 }
@@ -265,7 +261,7 @@ enum status admin_import(struct store *s, const char *actor, const char *path,
     if ((st = open_archive(path, k, s->model, &archive, e)) != ST_OK)
         return st;
     m.to = &t;
-    if ((st = store_act_begin(s, actor, SQL_WRITE, &m.by, &t, e)) == ST_OK) {
+    if ((st = store_act_begin(s, actor, SQL_WRITE, &t, e)) == ST_OK) {
         st = import_all(&m, archive, e);
         if (st == ST_OK && dry)
             (void)store_end(s, &t, ST_EDENIED, NULL); /* rolled back */

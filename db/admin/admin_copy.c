@@ -320,7 +320,7 @@ static enum status write_copy(struct log_txn *from, struct log_txn *to,
         (st = rows_root_write(to->sql, c->root != NULL ? c->root : &same, e)) != ST_OK ||
         (st = c->fill(c->arg, from, to, e)) != ST_OK || c->kind == NULL)
         return st;
-    return log_change(to, c->by, c->kind, NULL, "", c->outcome, e);
+    return log_change(to, c->kind, NULL, "", c->outcome, e);
 }
 
 static enum status fill_one(struct store *from, struct sql *d, struct admin_copy *c,
@@ -332,6 +332,8 @@ static enum status fill_one(struct store *from, struct sql *d, struct admin_copy
                                  .how = SQL_COPY};
     enum status st;
 
+    if ((st = log_act(&to.by, c->actor != NULL ? c->actor : "", e)) != ST_OK)
+        return st;
     log_init(&seen);
     log_txn_create(&to);
     if ((st = store_begin(from, SQL_READ, &source, e)) == ST_OK) {

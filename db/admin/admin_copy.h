@@ -30,10 +30,10 @@ struct admin_copy {
     const struct store_key *key;   /* key that opens the copy, to verify it */
     admin_fill *fill;              /* admin_copy_all(), or more, or less */
     void *arg;                     /* argument of fill() */
-    const struct log_act *by;      /* actor of the copy's last change, after fill() */
-    const char *kind, *outcome;    /* its kind and outcome; NULL: no such change */
-    struct log_end end;            /* set: end of the copy's change log */
-    struct admin_copied found;     /* set: counts of the copy */
+    const char *actor;          /* of the changes that are made in the copy; NULL: "" */
+    const char *kind, *outcome; /* of the last one, after fill(); NULL: no such change */
+    struct log_end end;         /* set: end of the copy's change log */
+    struct admin_copied found;  /* set: counts of the copy */
 };
 
 /* admin_copy(from, path, c, n, e): Writes a copy in one transaction, and verifies it whole.  A file is one without

@@ -64,8 +64,7 @@ static enum status find_number(struct log_txn *t, uint32_t *out, struct errinfo 
     return st;
 }
 
-static enum status admin_join_join(struct log_txn *t, const struct log_act *by,
-                                   uint32_t *out, struct errinfo *e)
+static enum status admin_join_join(struct log_txn *t, uint32_t *out, struct errinfo *e)
 {
     char outcome[LOG_TEXT + 1];
     enum status st = find_number(t, out, e);
@@ -75,7 +74,7 @@ static enum status admin_join_join(struct log_txn *t, const struct log_act *by,
     t->log->daemon = *out;
     t->accesses = t->uses = (struct log_end){.seq = 0}; /* its log is empty */
     (void)snprintf(outcome, sizeof outcome, "daemon %" PRIu32, *out);
-    return log_change(t, by, LOG_JOIN, NULL, "", outcome, e);
+    return log_change(t, LOG_JOIN, NULL, "", outcome, e);
 }
 
 /* Commits t, with an anchor that is on the disk before. */
@@ -115,7 +114,6 @@ enum status admin_join(const char *path, const struct store_key *key, const char
                        uint32_t *daemon, struct errinfo *e)
 {
     struct store_key by_key = *key;
-    struct log_act by;
     struct log_txn t;
     struct store *s;
     enum status st;
@@ -126,8 +124,8 @@ enum status admin_join(const char *path, const struct store_key *key, const char
         (st = admin_join_complete(path, key, daemon, e)) != ST_EREFUSED ||
         (st = store_open(path, STORE_WRITE, &by_key, &s, e)) != ST_OK)
         return st;
-    if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) == ST_OK) {
-        if ((st = admin_join_join(&t, &by, daemon, e)) == ST_OK)
+    if ((st = store_act_begin(s, actor, SQL_WRITE, &t, e)) == ST_OK) {
+        if ((st = admin_join_join(&t, daemon, e)) == ST_OK)
             st = commit(s, &t, key->anchor, *daemon, e);
         else
             (void)store_end(s, &t, st, NULL);

@@ -445,8 +445,8 @@ static enum status swap(struct rekeying *x, struct store *s, struct newfile *n,
     return admin_unfinished(st, "the key was changed", &why, e);
 }
 
-static enum status copy_and_swap(struct rekeying *x, struct store *s,
-                                 const struct log_act *by, struct errinfo *e)
+static enum status copy_and_swap(struct rekeying *x, struct store *s, const char *actor,
+                                 struct errinfo *e)
 {
     static const char *const word[] = {"plaintext", "file", "passphrase"};
     /* How the copy is opened, before the keys are in their places. */
@@ -457,7 +457,7 @@ static enum status copy_and_swap(struct rekeying *x, struct store *s,
                            .crypt = x->crypt,
                            .key = &opens,
                            .fill = admin_copy_all,
-                           .by = by,
+                           .actor = actor,
                            .kind = "rekey",
                            .outcome = word[x->to->kind]};
     struct newfile n = NEWFILE_NONE, anchor = NEWFILE_NONE;
@@ -485,18 +485,16 @@ static void drop_new_key(const struct rekeying *x)
 static enum status rekey(struct rekeying *x, const char *actor, bool *completed,
                          struct errinfo *e)
 {
-    struct log_act by;
     struct store *s;
     bool last;
     enum status st;
 
-    if ((st = log_act(&by, actor, e)) != ST_OK ||
-        (st = admin_rekey_settle(x, completed, e)) != ST_OK || *completed ||
+    if ((st = admin_rekey_settle(x, completed, e)) != ST_OK || *completed ||
         (st = check_files(x, e)) != ST_OK ||
         (st = store_open(x->path, STORE_ALONE, x->key, &s, e)) != ST_OK)
         return st;
     if ((st = store_verify(s, NULL, NULL, e)) == ST_OK && (st = make_keys(x, e)) == ST_OK)
-        st = copy_and_swap(x, s, &by, e);
+        st = copy_and_swap(x, s, actor, e);
     store_close(s);
     if (st == ST_OK)
         return admin_rekey_finish(x, &last, e);

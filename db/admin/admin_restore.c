@@ -103,7 +103,7 @@ struct restoring {
     struct log_end end;      /* of the backup's change log */
     struct log_entry *since; /* [n], changes of the database that is there after that */
     size_t n;
-    struct log_act by;
+    const char *actor;         /* of the changes that are made in the copy */
     struct crypt_root root;    /* of the restored database, */
     const struct crypt *crypt; /* its keys, */
     struct crypt *made;        /* and these, where neither store has them */
@@ -230,9 +230,8 @@ static enum status erase_again(struct restoring *r, struct log_txn *to,
     enum status st = rows_subject_get(to, c->uid, &of, e);
 
     if (st == ST_ENOTFOUND) /* no older archive brings it back either */
-        return log_change(to, &r->by, "delete_subject", c->uid, "", "erased before", e);
-    if (st == ST_OK &&
-        (st = store_erase_rows(to, &r->by, &of, "erased again", NULL, e)) == ST_OK)
+        return log_change(to, "delete_subject", c->uid, "", "erased before", e);
+    if (st == ST_OK && (st = store_erase_rows(to, &of, "erased again", NULL, e)) == ST_OK)
         r->out->erased++;
     sodium_memzero(&of, sizeof of);
     return st;
@@ -246,11 +245,11 @@ static enum status revoke_again(struct restoring *r, struct log_txn *to,
 
     if (st != ST_OK || one.token.revoked[0] != '\0')
         return st == ST_ENOTFOUND ? ST_OK : st;
-    memcpy(one.token.revoked, r->by.at, sizeof r->by.at);
+    memcpy(one.token.revoked, to->by.at, sizeof to->by.at);
     if ((st = rows_token_write(to, &one, e)) != ST_OK)
         return st;
     r->out->revoked++;
-    return log_change(to, &r->by, "revoke_token", NULL, c->object, one.token.name, e);
+    return log_change(to, "revoke_token", NULL, c->object, one.token.name, e);
 }
 
 static enum status remove_again(struct restoring *r, struct log_txn *to,
@@ -264,7 +263,7 @@ static enum status remove_again(struct restoring *r, struct log_txn *to,
     if ((st = rows_table_delete(to, &rows_devices, &row, e)) != ST_OK)
         return st;
     r->out->revoked++;
-    return log_change(to, &r->by, "remove_device", NULL, c->object, row.one.name, e);
+    return log_change(to, "remove_device", NULL, c->object, row.one.name, e);
 }
 
 static enum status count_lost(struct restoring *r, struct log_txn *to, struct errinfo *e)
@@ -406,7 +405,7 @@ static enum status copy_and_place(struct restoring *r, bool dry, struct errinfo 
         .key = r->key,
         .fill = admin_restore_fill,
         .arg = r,
-        .by = &r->by,
+        .actor = r->actor,
         .kind = "restore",
         .outcome = r->out->missed == 0 ? "restored" : "restored, older than the anchor"};
     struct newfile n = NEWFILE_NONE, anchor = NEWFILE_NONE;
@@ -486,7 +485,8 @@ enum status admin_restore(const char *path, const char *from, const struct store
                           struct admin_restored *out, struct errinfo *e)
 {
     char *target;
-    struct restoring r = {.from = from, .key = key, .from_key = from_key, .out = out};
+    struct restoring r = {
+        .from = from, .key = key, .from_key = from_key, .actor = actor, .out = out};
     enum status st = newfile_beside(path, "", &target, e);
 
     memset(out, 0, sizeof *out);
@@ -499,8 +499,7 @@ enum status admin_restore(const char *path, const char *from, const struct store
                                  "restore it with the server's own backup (pg_restore, "
                                  "pgBackRest); surfacectl copy puts a file into an empty "
                                  "database",
-                                 e)) == ST_OK &&
-             (st = log_act(&r.by, actor, e)) == ST_OK)
+                                 e)) == ST_OK)
         st = admin_restore_restore(&r, dry, e);
     store_close(r.backup);
     store_close(r.held);
@@ -571,13 +570,13 @@ enum status admin_again(const char *path, const struct store_key *key, const cha
     if ((st = store_open(path, STORE_ALONE, &by_key, &s, e)) != ST_OK)
         return st;
     if ((st = store_settle_anchor(s, key->anchor, e)) == ST_OK &&
-        (st = store_act_begin(s, actor, SQL_WRITE, &r.by, &t, e)) == ST_OK) {
+        (st = store_act_begin(s, actor, SQL_WRITE, &t, e)) == ST_OK) {
         if (memcmp(&t.changes, &later->after, sizeof t.changes) != 0)
             st = errinfo_set(e, ST_EBUSY, "another process has changed the database");
         for (size_t i = 0; i < later->n && st == ST_OK; i++)
             st = do_again(&r, &t, &later->change[i], e);
         if (st == ST_OK)
-            st = log_change(&t, &r.by, "restore", NULL, "", BY_SERVER, e);
+            st = log_change(&t, "restore", NULL, "", BY_SERVER, e);
         st = end_alone(s, &t, key, dry, st, e);
     }
     store_close(s);
@@ -598,8 +597,7 @@ static enum status accept_templates(void *arg, struct log_txn *t,
     return st;
 }
 
-static enum status accept_rows(struct log_txn *t, const struct log_act *by,
-                               store_report *report, void *arg,
+static enum status accept_rows(struct log_txn *t, store_report *report, void *arg,
                                struct admin_accepted *out, struct errinfo *e)
 {
     char outcome[LOG_TEXT + 1];
@@ -627,7 +625,7 @@ static enum status accept_rows(struct log_txn *t, const struct log_act *by,
         return st;
     (void)snprintf(outcome, sizeof outcome, "%s, %" PRIu64 " rows removed",
                    same ? "rows as written" : "rows differed", out->removed);
-    return log_change(t, by, "accept_state", NULL, "", outcome, e);
+    return log_change(t, "accept_state", NULL, "", outcome, e);
 }
 
 enum status admin_accept(const char *path, const struct store_key *key, const char *actor,
@@ -635,7 +633,6 @@ enum status admin_accept(const char *path, const struct store_key *key, const ch
                          struct admin_accepted *out, struct errinfo *e)
 {
     struct store_key by_key = *key;
-    struct log_act by;
     struct log_txn t;
     struct store *s;
     enum status st;
@@ -646,8 +643,8 @@ enum status admin_accept(const char *path, const struct store_key *key, const ch
         return st;
     atomic_store(&s->verified, true); /* what is found is accepted */
     if ((st = store_settle_anchor(s, key->anchor, e)) == ST_OK &&
-        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) == ST_OK) {
-        st = accept_rows(&t, &by, report, arg, out, e);
+        (st = store_act_begin(s, actor, SQL_WRITE, &t, e)) == ST_OK) {
+        st = accept_rows(&t, report, arg, out, e);
         st = end_alone(s, &t, key, dry, st, e);
     }
     store_close(s);

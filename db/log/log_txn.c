@@ -314,17 +314,16 @@ void log_txn_accept(struct log_txn *t, const unsigned char sum[LOG_DIGEST])
 /* ---- entries */
 
 /* The entry after `end`, which becomes the end. */
-static enum status append(struct log_txn *t, struct log_entry *entry,
-                          const struct log_act *by, const char *kind,
+static enum status append(struct log_txn *t, struct log_entry *entry, const char *kind,
                           const unsigned char *uid, const char *object,
                           const char *outcome, struct log_end *end, struct errinfo *e)
 {
     enum status st;
 
     entry->seq = end->seq + 1;
-    memcpy(entry->at, by->at, sizeof entry->at);
+    memcpy(entry->at, t->by.at, sizeof entry->at);
     (void)snprintf(entry->kind, sizeof entry->kind, "%s", kind);
-    (void)snprintf(entry->actor, sizeof entry->actor, "%s", by->actor);
+    (void)snprintf(entry->actor, sizeof entry->actor, "%s", t->by.actor);
     if (uid != NULL)
         memcpy(entry->uid, uid, sizeof entry->uid);
     (void)snprintf(entry->object, sizeof entry->object, "%s", object);
@@ -342,8 +341,7 @@ static enum status append(struct log_txn *t, struct log_entry *entry,
 }
 
 /* *entry names the end of a daemon's accesses. */
-static enum status change(struct log_txn *t, struct log_entry *entry,
-                          const struct log_act *by, const char *kind,
+static enum status change(struct log_txn *t, struct log_entry *entry, const char *kind,
                           const unsigned char *uid, const char *object,
                           const char *outcome, struct errinfo *e)
 {
@@ -354,14 +352,13 @@ static enum status change(struct log_txn *t, struct log_entry *entry,
         return st;
     name_of(t->changes.seq + 1, name);
     crypt_wrap(t->crypt, label, name, t->digest, entry->digest);
-    if ((st = append(t, entry, by, kind, uid, object, outcome, &t->changes, e)) == ST_OK)
+    if ((st = append(t, entry, kind, uid, object, outcome, &t->changes, e)) == ST_OK)
         t->unlogged = false;
     return st;
 }
 
-enum status log_change(struct log_txn *t, const struct log_act *by, const char *kind,
-                       const unsigned char *uid, const char *object, const char *outcome,
-                       struct errinfo *e)
+enum status log_change(struct log_txn *t, const char *kind, const unsigned char *uid,
+                       const char *object, const char *outcome, struct errinfo *e)
 {
     struct log_entry entry = {.log = LOG_CHANGES, .daemon = t->log->daemon};
     enum status st = need_uses(t, e);
@@ -369,7 +366,7 @@ enum status log_change(struct log_txn *t, const struct log_act *by, const char *
     if (st != ST_OK)
         return st;
     entry.accesses = t->uses;
-    if ((st = change(t, &entry, by, kind, uid, object, outcome, e)) == ST_OK)
+    if ((st = change(t, &entry, kind, uid, object, outcome, e)) == ST_OK)
         t->accesses = entry.accesses;
     return st;
 }
@@ -388,8 +385,7 @@ static enum status read_bound(struct log_txn *t, uint32_t daemon, uint64_t *seq,
     return sql_done(r, st == ST_ENOTFOUND ? ST_OK : st, e);
 }
 
-enum status log_found(struct log_txn *t, const struct log_act *by, uint32_t daemon,
-                      uint64_t *to, struct errinfo *e)
+enum status log_found(struct log_txn *t, uint32_t daemon, uint64_t *to, struct errinfo *e)
 {
     struct log_entry entry = {.log = LOG_CHANGES, .daemon = daemon}, last;
     bool authentic;
@@ -403,17 +399,16 @@ enum status log_found(struct log_txn *t, const struct log_act *by, uint32_t daem
         return st;
     *to = last.seq;
     set_end(&entry.accesses, &last);
-    return change(t, &entry, by, LOG_FOUND, NULL, "", "", e);
+    return change(t, &entry, LOG_FOUND, NULL, "", "", e);
 }
 
-enum status log_access(struct log_txn *t, const struct log_act *by, const char *kind,
-                       const unsigned char *uid, const char *object, const char *outcome,
-                       struct errinfo *e)
+enum status log_access(struct log_txn *t, const char *kind, const unsigned char *uid,
+                       const char *object, const char *outcome, struct errinfo *e)
 {
     struct log_entry entry = {.log = LOG_ACCESSES, .daemon = t->log->daemon};
     enum status st = log_txn_appends(t, e);
 
     if (st != ST_OK || (st = need_uses(t, e)) != ST_OK)
         return st;
-    return append(t, &entry, by, kind, uid, object, outcome, &t->uses, e);
+    return append(t, &entry, kind, uid, object, outcome, &t->uses, e);
 }

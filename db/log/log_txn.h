@@ -36,6 +36,7 @@ struct log_txn {
     struct sql_txn *sql;
     const struct crypt *crypt;
     enum sql_begin how;
+    struct log_act by; /* of its entries */
     struct log_end
         changes; /* end of the change log, with the entries of this transaction */
     struct log_end
@@ -66,7 +67,7 @@ void log_free(struct log *l);
 struct log_end log_newest(struct log *l);
 
 /* log_txn_begin(t, e): Reads the end of the change log, and checks that the log continues t->before.
- *   t  the caller has set log, sql, crypt, how, before, and added to LOGS
+ *   t  the caller has set log, sql, crypt, how, by, before, and added to LOGS
  * Cost: O(entries since t->before).
  * Returns ST_OK; ST_EREFUSED: the database is older than t->before, or another one; ST_ECORRUPT: the
  * last entry is missing, was modified or has no valid MAC. */
@@ -105,20 +106,18 @@ enum status log_txn_agrees(struct log_txn *t, const unsigned char sum[LOG_DIGEST
 /* log_txn_accept(t, sum): Makes sum the digest of t, for the next entry to carry. */
 void log_txn_accept(struct log_txn *t, const unsigned char sum[LOG_DIGEST]);
 
-/* log_change(t, by, kind, uid, object, outcome, e): Appends an entry to the change log.  The entry is signed
+/* log_change(t, kind, uid, object, outcome, e): Appends an entry to the change log.  The entry is signed
  * if kind is LOG_CHECKPOINT or LOG_EXPORT.
  *   uid  of the subject; NULL: no subject */
-enum status log_change(struct log_txn *t, const struct log_act *by, const char *kind,
-                       const unsigned char *uid, const char *object, const char *outcome,
-                       struct errinfo *e);
+enum status log_change(struct log_txn *t, const char *kind, const unsigned char *uid,
+                       const char *object, const char *outcome, struct errinfo *e);
 
-/* log_access(t, by, kind, uid, object, outcome, e): Appends an entry to this daemon's access log.  Takes the
+/* log_access(t, kind, uid, object, outcome, e): Appends an entry to this daemon's access log.  Takes the
  * lock of the access log, unless log_txn_appends() did.  uid as in log_change().
  * ST_ECORRUPT: the log's last entry has no valid MAC, or is earlier than the end that this daemon's
  * last change names. */
-enum status log_access(struct log_txn *t, const struct log_act *by, const char *kind,
-                       const unsigned char *uid, const char *object, const char *outcome,
-                       struct errinfo *e);
+enum status log_access(struct log_txn *t, const char *kind, const unsigned char *uid,
+                       const char *object, const char *outcome, struct errinfo *e);
 
 /* log_txn_appends(t, e): Takes the lock of this daemon's access log at once, for a later log_access(). */
 enum status log_txn_appends(struct log_txn *t, struct errinfo *e);
@@ -126,11 +125,11 @@ enum status log_txn_appends(struct log_txn *t, struct errinfo *e);
 /* log_txn_ahead(t): Sends the query for the end of the access log, while sql_ahead() is on. */
 void log_txn_ahead(struct log_txn *t);
 
-/* log_found(t, by, daemon, to, e): Appends a change that names the present end of another daemon's access
+/* log_found(t, daemon, to, e): Appends a change that names the present end of another daemon's access
  * log, if the last change that names one names an earlier end.
  *   to  receives the number of the named entry; 0 if daemon is t's own, whose changes all name its end */
-enum status log_found(struct log_txn *t, const struct log_act *by, uint32_t daemon,
-                      uint64_t *to, struct errinfo *e);
+enum status log_found(struct log_txn *t, uint32_t daemon, uint64_t *to,
+                      struct errinfo *e);
 
 /* log_has(t, at, has, e): Sets *has to true if the change log has the entry *at, and all entries after it
  * are authentic up to the end that t has seen.

@@ -19,12 +19,12 @@ static int64_t thousandths(double value)
     return !(value > 0) ? 0 : (int64_t)lround(fmin(value, 100) * 1000);
 }
 
-enum status rows_scan_count(struct log_txn *t, const struct log_act *by,
-                            const struct store_scan *scan, struct errinfo *e)
+enum status rows_scan_count(struct log_txn *t, const struct store_scan *scan,
+                            struct errinfo *e)
 {
     char day[STORE_DAY + 1];
 
-    (void)snprintf(day, sizeof day, "%.*s", STORE_DAY, by->at);
+    (void)snprintf(day, sizeof day, "%.*s", STORE_DAY, t->by.at);
     return SQL_RUN(
         t->sql, e,
         "INSERT INTO scans (day, token, daemon, n, unusable, noise_um, quality) "
@@ -33,7 +33,7 @@ enum status rows_scan_count(struct log_txn *t, const struct log_act *by,
         "unusable = scans.unusable + excluded.unusable, "
         "noise_um = scans.noise_um + excluded.noise_um, "
         "quality = scans.quality + excluded.quality",
-        sql_text(day), sql_text(by->actor), sql_int(t->log->daemon),
+        sql_text(day), sql_text(t->by.actor), sql_int(t->log->daemon),
         sql_int(!scan->unusable), sql_int(scan->unusable),
         sql_int(scan->unusable ? 0 : thousandths(scan->noise_mm)),
         sql_int(scan->unusable ? 0 : thousandths(scan->quality)));

@@ -5,10 +5,10 @@
 #include "log_txn.h"
 #include "rows_types.h"
 
-/* rows_scan_count(t, by, scan, e): Adds the scan to this daemon's row for the actor and the day of by.  It reads
+/* rows_scan_count(t, scan, e): Adds the scan to this daemon's row for the actor and the day of t->by.  It reads
  * nothing, so that on a server it costs no round trip. */
-enum status rows_scan_count(struct log_txn *t, const struct log_act *by,
-                            const struct store_scan *scan, struct errinfo *e);
+enum status rows_scan_count(struct log_txn *t, const struct store_scan *scan,
+                            struct errinfo *e);
 
 /* rows_scan_list(t, since, out, n, e): Lists the days from since on, by token and then by day, with the sums
  * of all daemons.

@@ -49,7 +49,7 @@ static void begin(void)
 {
     const struct store_use use = {.subject = 0};
 
-    must(store_begin_use(store, SQL_LAZY, &use, &t, &e));
+    must(store_begin_use(store, NULL, SQL_LAZY, &use, &t, &e));
     seed = 1;
     memset(warned, 0, sizeof warned);
 }

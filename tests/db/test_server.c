@@ -231,11 +231,7 @@ TEST(test_lost)
     }
     must(store_begin(s, SQL_WRITE, &x, &e));
     end_connections();
-    fails(store_end(
-              s, &x,
-              log_access(&x, &(struct log_act){.actor = "t"}, "verify", NULL, "", "", &e),
-              &e),
-          ST_EBUSY);
+    fails(store_end(s, &x, log_access(&x, "verify", NULL, "", "", &e), &e), ST_EBUSY);
     must(store_subject_add(s, "test", &one, &e));
     assert_int_equal(tempdb_count("subjects"), 2);
     must(store_verify(s, NULL, NULL, &e));

@@ -318,14 +318,14 @@ TEST(test_not_read)
         fail_sql_at(table, kind[k]);
         fails(store_verify(s, NULL, NULL, &e), kind[k]);
         fail_sql_at(table, kind[k]);
-        assert_int_equal(store_start(s, SQL_READ, &use, &t, &e),
+        assert_int_equal(store_start(s, NULL, SQL_READ, &use, &t, &e),
                          passes ? ST_OK : kind[k]);
         if (passes)
             must(sql_end(t.sql, ST_OK, &e));
         fail_sql_at(table, kind[k]); /* a read too */
         assert_int_equal(store_ready(s, &e), passes ? ST_OK : kind[k]);
         fail_sql_at(0, ST_OK);
-        must(store_start(s, SQL_READ, &use, &t, &e));
+        must(store_start(s, NULL, SQL_READ, &use, &t, &e));
         must(sql_end(t.sql, ST_OK, &e));
     }
     store_close(s);

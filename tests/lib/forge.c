@@ -73,7 +73,7 @@ static enum status forge_table(struct log_txn *t, const struct rows_table *table
     return sql_done(r, st, e);
 }
 
-static enum status forge(struct log_txn *t, const struct log_act *by, struct errinfo *e)
+static enum status forge(struct log_txn *t, struct errinfo *e)
 {
 #define OF(noun, key)                                                                    \
     {                                                                                    \
@@ -94,13 +94,12 @@ static enum status forge(struct log_txn *t, const struct log_act *by, struct err
     if (st != ST_OK || (st = rows_digest(t, false, NULL, NULL, sum, &bad, e)) != ST_OK)
         return st;
     log_txn_accept(t, sum);
-    return log_change(t, by, "forge", NULL, "", "", e);
+    return log_change(t, "forge", NULL, "", "", e);
 }
 
 enum status forge_sql(const char *path, const struct store_key *key, const char *sql,
                       struct errinfo *e)
 {
-    struct log_act by;
     struct log_txn t;
     struct store *s;
     enum status st;
@@ -109,8 +108,8 @@ enum status forge_sql(const char *path, const struct store_key *key, const char 
         (st = store_open(path, STORE_WRITE, key, &s, e)) != ST_OK)
         return st;
     atomic_store(&s->verified, true);
-    if ((st = store_act_begin(s, "forge", SQL_WRITE, &by, &t, e)) == ST_OK)
-        st = store_end(s, &t, forge(&t, &by, e), e);
+    if ((st = store_act_begin(s, "forge", SQL_WRITE, &t, e)) == ST_OK)
+        st = store_end(s, &t, forge(&t, e), e);
     store_close(s);
     return st;
 }

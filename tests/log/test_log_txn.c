@@ -204,18 +204,17 @@ TEST(test_unlogged)
 {
     struct store *s = tempdb_fresh();
     unsigned char mac[CRYPT_HASH] = {1}, sum[LOG_DIGEST];
-    struct log_act by;
     struct log_txn t;
     bool same;
 
-    must(store_act_begin(s, "test", SQL_WRITE, &by, &t, &e));
+    must(store_act_begin(s, "test", SQL_WRITE, &t, &e));
     must(log_txn_count(&t, NULL, mac, &e));
     fails(store_end(s, &t, ST_OK, &e), ST_EINTERNAL);
     assert_int_equal(last(s), 1);
 
-    must(store_act_begin(s, "test", SQL_WRITE, &by, &t, &e));
+    must(store_act_begin(s, "test", SQL_WRITE, &t, &e));
     must(log_txn_count(&t, NULL, mac, &e));
-    must(log_change(&t, &by, "test", NULL, "", "", &e));
+    must(log_change(&t, "test", NULL, "", "", &e));
     must(store_end(s, &t, ST_OK, &e));
     must(store_begin(s, SQL_READ, &t, &e));
     memset(sum, 0, sizeof sum);
