@@ -14,8 +14,7 @@ rank() {
     first=0 mated=0 false=0
     for s in $subjects; do
         file=$(printf '%s\n' "$2" | sed "s/%/$s/")
-        send POST "/v1/subjects/$1-$s/templates" "$PLY" "$file"
-        is "$1: enrolling $s" "$STATUS" 201
+        gives 201 "$1: enrolling $s" send POST "/v1/subjects/$1-$s/templates" "$PLY" "$file"
     done
     for p in $subjects; do
         file=$(printf '%s\n' "$3" | sed "s/%/$p/")

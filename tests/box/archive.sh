@@ -92,8 +92,7 @@ DB=$TO
 start_daemon --no-auth
 on "$TO" import "$T/all" --archive-key "$T/phrase"
 is "bob is left out" "$CODE $(said '.subjects_new, .subjects_erased' | tr '\n' ' ')" "0 0 1 "
-req GET /v1/subjects/bob
-is "he is not there" "$STATUS" 404
+gives 404 "he is not there" req GET /v1/subjects/bob
 template=$("$BUILD/surfacectl" --db "$TO" --json subject show alice | jq -r '.templates[0].template_id')
 on "$TO" template delete --yes "$template"
 on_exits 65 "$TO" import "$T/all" --archive-key "$T/phrase" # of somebody who is enrolled

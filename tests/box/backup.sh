@@ -54,8 +54,7 @@ ctl_exits 75 restore "$T/b3"
 contains "it is said what to do" "$T/ctl.err" 'stop surfaced first'
 ctl_exits 0 restore "$T/b3" --dry-run
 is "what it would do can be asked" "$(said .restored)" false
-req GET /v1/subjects/alice
-is "the daemon serves as before" "$STATUS" 200
+gives 200 "the daemon serves as before" req GET /v1/subjects/alice
 stop_daemon
 
 # ---- what is overwritten, and what is not
@@ -136,8 +135,7 @@ ok "nothing is left" test ! -e "$DB.part" -a ! -e "$DB.before-restore"
 # ---- a WAL that was left: no other file may get the name that it belongs to, and the
 # next daemon empties it
 start_daemon --no-auth
-send POST /v1/subjects/frank/templates "$PLY" "$T/s3.ply"
-is "a subject is enrolled" "$STATUS" 201
+gives 201 "a subject is enrolled" send POST /v1/subjects/frank/templates "$PLY" "$T/s3.ply"
 kill_daemon
 cp "$DB" "$T/dead"
 cp "$DB-wal" "$T/dead-wal"

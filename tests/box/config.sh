@@ -123,8 +123,7 @@ rm "$DB"*
 # Not every machine has IPv6.
 if [ -e /proc/net/if_inet6 ] && grep -q '^0*1 ' /proc/net/if_inet6; then
     LISTEN='[::1]:0' start_daemon --no-auth
-    req GET /healthz -g
-    is "IPv6 ($URL)" "$STATUS" 200
+    gives 200 "IPv6 ($URL)" req GET /healthz -g
     stop_daemon
     rm "$DB"*
 else

@@ -10,8 +10,7 @@ scan 2 0 "$T/b.ply"
 scan 2 1 "$T/b1.ply"
 start_daemon --no-auth
 
-send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
-is "enrolled over HTTP" "$STATUS" 201
+gives 201 "enrolled over HTTP" send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 alice=$(get .template_id)
 ctl subject show alice
 is "seen by surfacectl" "$(jq -r '.templates[0].template_id' "$T/ctl")" "$alice"
@@ -28,10 +27,8 @@ is "seen by the daemon" "$(get .decision)" match
 
 ctl --yes template delete "$alice"
 is "deleted by surfacectl" $? 0
-send POST "/v1/templates/$alice/verify" "$PLY" "$T/a1.ply"
-is "a deleted template never matches" "$STATUS" 404
-send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
-is "nor does its subject" "$STATUS" 404
+gives 404 "a deleted template never matches" send POST "/v1/templates/$alice/verify" "$PLY" "$T/a1.ply"
+gives 404 "nor does its subject" send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
 ctl check-database
 is "check beside the daemon" "$?/$(jq -r .ok "$T/ctl")" 0/true
 
@@ -45,8 +42,7 @@ is "erased beside a reader" $? 0
 ok "its key is in the log" holds "$key" "$DB" "$DB-wal"
 release_db
 for _ in 1 2; do
-    send POST /v1/subjects/bob/verify "$PLY" "$T/b1.ply"
-    is "verified" "$STATUS" 200
+    gives 200 "verified" send POST /v1/subjects/bob/verify "$PLY" "$T/b1.ply"
 done
 is "its key is gone" "$(holds "$key" "$DB" "$DB-wal" && echo there)" ""
 
@@ -55,8 +51,7 @@ i=0
 while [ $i -lt 8 ]; do
     scan $((100 + i)) 0 "$T/c$i.ply" --points 1000
     (ctl enroll "c$i" "$T/c$i.ply" || touch "$T/lost") &
-    send POST "/v1/subjects/h$i/templates" "$PLY" "$T/c$i.ply"
-    is "enrolled while surfacectl enrolls" "$STATUS" 201
+    gives 201 "enrolled while surfacectl enrolls" send POST "/v1/subjects/h$i/templates" "$PLY" "$T/c$i.ply"
     wait $!
     i=$((i + 1))
 done

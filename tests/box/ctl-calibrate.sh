@@ -107,8 +107,7 @@ ctl calibrate --reset
 is "back is laxer too" "$CODE" 64
 ctl calibrate --reset --yes
 is "back to the shipped table" "$CODE $(said '[.version, .source] | @csv')" '0 3,"shipped"'
-send POST /v1/subjects/s2/templates "$PLY" "$T/probe.ply"
-is "the daemon follows" "$STATUS" 201
+gives 201 "the daemon follows" send POST /v1/subjects/s2/templates "$PLY" "$T/probe.ply"
 ctl calibrate --list
 is "nothing is deleted" "$(said '[.calibrations[].version, .in_force.source] | @csv')" \
     '1,2,3,"shipped"'

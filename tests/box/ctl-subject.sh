@@ -63,8 +63,7 @@ send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 is "verified" "$STATUS $(get .decision)" '200 match'
 id=$(get .template_id)
 ctl_exits 0 subject disable alice
-send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
-problem "disabled" 403 subject_disabled
+gives "403 subject_disabled" "disabled" send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 ctl_exits 77 verify alice "$T/a2.ply"
 ok "surfacectl says why" grep -q 'alice is disabled' "$T/ctl.err"
 ctl_exits 77 explain alice "$T/a2.ply"
@@ -98,8 +97,7 @@ ok "seen by the daemon" test "$(said .last_seen)" != 2026-01-01T00:00:00.000Z
 
 # ---- on hold
 ctl_exits 0 subject hold alice
-req DELETE /v1/subjects/alice
-problem "on hold" 409 on_hold
+gives "409 on_hold" "on hold" req DELETE /v1/subjects/alice
 ctl_exits 77 subject erase alice --yes
 ctl_exits 77 subject erase alice --dry-run
 ctl_exits 77 template delete "$id" --dry-run
@@ -114,8 +112,7 @@ ctl_exits 66 subject rename alice dan
 ctl_exits 65 subject rename ann 'd n'
 send POST /v1/subjects/ann/verify "$PLY" "$T/a2.ply"
 is "verified by it" "$STATUS $(get .subject) $(get .template_id)" "200 ann $id"
-send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
-problem "not by the old" 404 not_found
+gives "404 not_found" "not by the old" send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 
 # ---- templates
 ctl_exits 0 template list
@@ -159,8 +156,7 @@ ctl_exits 0 purge --yes
 is "erased" "$(said .erased)" 2
 ctl_exits 0 subject list
 is "who is left" "$(said '[.subjects[].subject] | join(" ")')" 'ann carol'
-req GET /v1/subjects/bob
-problem "gone for the daemon too" 404 not_found
+gives "404 not_found" "gone for the daemon too" req GET /v1/subjects/bob
 
 ctl_exits 0 subject release carol
 ctl_exits 0 subject erase carol --yes

@@ -6,8 +6,7 @@
 scan 1 0 "$T/a.ply" --points 1500
 scan 1 1 "$T/p.ply" --points 1500
 start_daemon --no-auth --workers 2 --timeout 3
-send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
-is "enrolled" "$STATUS" 201
+gives 201 "enrolled" send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 
 # ---- a client that half-closes after its request gets the response
 if command -v nc >/dev/null 2>&1 && nc -h 2>&1 | grep -q -- ' *-N'; then

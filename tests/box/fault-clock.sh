@@ -12,23 +12,19 @@ for n in 0 1 2; do
     scan 1 "$n" "$T/a$n.ply" --points 1500
 done
 start_clocked --no-auth
-send POST /v1/subjects/alice/templates "$PLY" "$T/a0.ply"
-is "before the step" "$STATUS" 201
+gives 201 "before the step" send POST /v1/subjects/alice/templates "$PLY" "$T/a0.ply"
 first=$(get .created)
 for step in -3d +3d -400d; do
     clock "$step"
     send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
     is "$step: verify" "$STATUS $(get .decision)" "200 match"
-    req GET /readyz
-    is "$step: ready" "$STATUS" 200
+    gives 200 "$step: ready" req GET /readyz
 done
-send POST /v1/subjects/alice/templates "$PLY" "$T/a1.ply"
-is "a sample after the step back" "$STATUS" 201
+gives 201 "a sample after the step back" send POST /v1/subjects/alice/templates "$PLY" "$T/a1.ply"
 ok "its time ($(get .created)) is the clock's, before the first's ($first)" \
     test "$(printf '%s\n' "$first" "$(get .created)" | sort | head -n 1)" = "$(get .created)"
 second=$(get .template_id)
-send POST /v1/subjects/alice/templates "$PLY" "$T/a2.ply"
-is "another" "$STATUS" 201
+gives 201 "another" send POST /v1/subjects/alice/templates "$PLY" "$T/a2.ply"
 req GET /v1/subjects/alice
 is "samples are in the order of enrolment" "$(get '.templates | length, .[1].template_id' |
     tr '\n' ' ')" "3 $second "

@@ -10,8 +10,7 @@ scan 1 1 "$T/again.ply"
 mkdir "$T/in"
 python3 tests/box/formats.py "$T/mesh.ply" "$T/in" || exit 1
 start_daemon --no-auth --attempts 0
-send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
-is "enrolled" "$STATUS" 201
+gives 201 "enrolled" send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 camera='fx=600&fy=600&cx=119.5&cy=159.5&depth_scale='
 
 # ---- over HTTP

@@ -9,8 +9,7 @@ scan 1 0 "$T/a.json"
 scan 1 1 "$T/a.xyz"
 start_daemon --max-body 40000000
 AUTH=$(new_token all)
-send POST /v1/subjects/alice/templates "$PLY" "$T/enrolled.ply"
-is enroll "$STATUS" 201
+gives 201 enroll send POST /v1/subjects/alice/templates "$PLY" "$T/enrolled.ply"
 id=$(get .template_id)
 req GET /v1/token
 token=$(get .id)
@@ -189,8 +188,7 @@ END
 done <"$T/requests"
 send POST /v1/subjects/alice/verify "$JSON" "$T/empty" -H 'Transfer-Encoding: chunked'
 problem "empty, in chunks" 400 malformed empty
-req GET "/healthz?$(printf '%020000d' 1)"
-is "a query that is too long" "$STATUS" 414
+gives 414 "a query that is too long" req GET "/healthz?$(printf '%020000d' 1)"
 is "nothing was changed" "$(stored)" "$before"
 
 # ---- what is taken
@@ -225,17 +223,13 @@ restart() {
 }
 damage_faces 1
 restart
-send POST /v1/subjects/alice/verify "$PLY" "$T/a.ply"
-problem "a damaged model" 500 internal
+gives "500 internal" "a damaged model" send POST /v1/subjects/alice/verify "$PLY" "$T/a.ply"
 ok "the response reveals no internals" sh -c "! grep -Eiq 'model|checksum|sqlite|corrupt|/tmp' '$T/body'"
 ok "the log has the cause" grep -Eq 'status=500 .*fault="' "$LOG"
 alive "a damaged model"
-req GET "/v1/templates/$id"
-is "its description is served" "$STATUS" 200
+gives 200 "its description is served" req GET "/v1/templates/$id"
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 ok "enrolling while it is damaged: $STATUS" test "$STATUS" = 500 -o "$STATUS" = 200
-req DELETE /v1/subjects/alice
-is "it can be erased" "$STATUS" 200
-send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
-is "and enrolled again" "$STATUS" 201
+gives 200 "it can be erased" req DELETE /v1/subjects/alice
+gives 201 "and enrolled again" send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 finish

@@ -88,30 +88,25 @@ burst alice plane.xyz none.ply
 problem "no face at all" 422 not_a_face '^none of the 2 files was enrolled; plane.xyz: the surface'
 is "with the same text" "$(get '.templates[0].refusal.detail as $d | .detail | endswith($d)')" true
 is "nothing was stored" "$(stored templates)" 6
-burst alice c.ply b.ply a0.ply
-problem "locked out on the way" 429 too_many_attempts
+gives "429 too_many_attempts" "locked out on the way" burst alice c.ply b.ply a0.ply
 is "nothing was stored" "$(stored templates) $(mismatches)" '6 4'
 burst carol a0.ply a1.ply
 is "others are not" "$STATUS $LIST" '201 new new'
 "$BUILD/surfacectl" --db "$DB" subject disable carol >"$T/text"
 built() { metric 'surfaced_stage_duration_seconds_count{stage="prepare"}'; }
 before=$(built)
-burst carol b.ply a2.ply
-problem "disabled" 403 subject_disabled
-send POST /v1/subjects/carol/templates "$PLY" "$T/a2.ply"
-problem "disabled, one file" 403 subject_disabled
+gives "403 subject_disabled" "disabled" burst carol b.ply a2.ply
+gives "403 subject_disabled" "disabled, one file" send POST /v1/subjects/carol/templates "$PLY" "$T/a2.ply"
 is "no face was made for that" "$(built)" "$before"
 
 # ---- with force
 burst dave?force=true a0.ply b.ply none.ply a0.ply
 is "with force" "$STATUS $LIST" '201 new new malformed same'
 AUTH=$(new_token enrolls --scope enroll)
-burst dave?force=true c.ply a1.ply
-problem "without manage" 403 insufficient_scope
+gives "403 insufficient_scope" "without manage" burst dave?force=true c.ply a1.ply
 req POST /v1/subjects/erin/templates?fuse=false -F "file=@$T/a0.ply" -F "file=@$T/a1.ply" -H 'Prefer: return=minimal'
 is "what was refused is told whatever is preferred" "$STATUS $(get '.templates | length') $(field Preference-Applied)" '201 2 '
-req POST /v1/subjects/erin/templates?fuse=false -F "file=@$T/a0.ply" -F "file=@$T/a1.ply"
-is "sent again" "$STATUS" 200
+gives 200 "sent again" req POST /v1/subjects/erin/templates?fuse=false -F "file=@$T/a0.ply" -F "file=@$T/a1.ply"
 
 # ---- the form
 set --
@@ -137,8 +132,7 @@ head -c 1100000 /dev/zero | tr '\0' '#' >"$T/long.xyz"
 cat "$T/a4.xyz" >>"$T/long.xyz"
 gzip "$T/long.xyz"
 before=$(stored templates)
-burst hank long.xyz.gz
-is "one is small enough" "$STATUS" 201
+gives 201 "one is small enough" burst hank long.xyz.gz
 burst ines long.xyz.gz long.xyz.gz
 problem "two are not" 413 body_too_large 'the limit is 2000000 bytes of all files together when unpacked'
 stop_daemon
@@ -153,8 +147,6 @@ is "one worker, without a token" "$STATUS $LIST" '201 new new new'
 
 # ---- no room: none of them
 prlimit --pid "$PID" --fsize=1000
-burst jack a0.ply a1.ply a2.ply
-problem "no room" 503 storage
-req GET /v1/subjects/jack
-problem "nothing is stored" 404 not_found
+gives "503 storage" "no room" burst jack a0.ply a1.ply a2.ply
+gives "404 not_found" "nothing is stored" req GET /v1/subjects/jack
 finish

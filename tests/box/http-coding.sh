@@ -16,8 +16,7 @@ done
 start_daemon --no-auth --max-body $LIMIT
 
 # ---- the same responses as to plain bodies
-send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
-is "enroll" "$STATUS" 201
+gives 201 "enroll" send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 cp "$T/body" "$T/plain"
 for coding in gz:gzip gz:x-gzip gz:GZIP zst:zstd; do
     send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply.${coding%:*}" \
@@ -27,8 +26,7 @@ for coding in gz:gzip gz:x-gzip gz:GZIP zst:zstd; do
 done
 send POST /v1/subjects/alice/verify "$JSON" "$T/a2.json"
 without_times "$T/body" >"$T/plain"
-send POST /v1/subjects/alice/verify "$JSON" "$T/a2.json" -H 'Content-Encoding: identity'
-is "identity" "$STATUS" 200
+gives 200 "identity" send POST /v1/subjects/alice/verify "$JSON" "$T/a2.json" -H 'Content-Encoding: identity'
 for coding in gz:gzip zst:zstd; do
     for how in 'Expect:' 'Transfer-Encoding: chunked'; do
         send POST /v1/subjects/alice/verify "$JSON" "$T/a2.json.${coding%:*}" \
@@ -64,8 +62,7 @@ done
 printf '\050\265\057\375\000\210\011\000\000a' >"$T/x"
 bad "a window of 128 MB" zstd 'memory'
 gzip -c "$T/a2.json.gz" >"$T/x"
-send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "$GZ"
-is "a .gz file, compressed once more" "$STATUS" 200
+gives 200 "a .gz file, compressed once more" send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "$GZ"
 gzip -c "$T/x" >"$T/y"
 send POST /v1/subjects/alice/verify "$JSON" "$T/y" -H "$GZ"
 problem "compressed three times, declared once" 400 malformed
@@ -78,8 +75,7 @@ for coding in br deflate compress 'gzip, gzip' 'zstd,gzip' 'gzip;q=1' aes128gcm 
 done
 send POST /v1/subjects/alice/verify "$JSON" "$T/a2.json.gz" -H "$GZ" -H "$GZ"
 problem "gzip in two lines" 415 unsupported_content_encoding
-req GET /healthz -H 'Content-Encoding: br'
-is "ignored for a GET request" "$STATUS" 200
+gives 200 "ignored for a GET request" req GET /healthz -H 'Content-Encoding: br'
 
 # ---- bombs: rejected early and without using much memory
 # peak: the daemon's largest resident memory so far, KiB.
@@ -95,19 +91,15 @@ for coding in gz:gzip zst:zstd; do
     problem "a bomb, ${coding#*:}" 413 body_too_large "$LIMIT bytes when unpacked"
 done
 gzip -c "$T/bomb.zst" >"$T/x"
-send POST /v1/subjects/alice/verify "$BYTES" "$T/x" -H "$GZ"
-is "a compressed bomb" "$STATUS" 400
+gives 400 "a compressed bomb" send POST /v1/subjects/alice/verify "$BYTES" "$T/x" -H "$GZ"
 if ! grep -aq __asan_init "$BUILD/surfaced"; then
     ok "no more than 40 MB for them" test $(($(peak) - before)) -lt 40000
 fi
-send POST /v1/subjects/alice/verify "$BYTES" "$T/bomb.zst"
-is "a bomb without Content-Encoding" "$STATUS" 400
+gives 400 "a bomb without Content-Encoding" send POST /v1/subjects/alice/verify "$BYTES" "$T/bomb.zst"
 head -c $LIMIT /dev/zero | tr '\0' ' ' | gzip >"$T/x"
-send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "$GZ"
-problem "exactly the limit" 400 malformed
+gives "400 malformed" "exactly the limit" send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "$GZ"
 head -c $((LIMIT + 1)) /dev/zero | tr '\0' ' ' | gzip >"$T/x"
-send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "$GZ"
-problem "a byte over the limit" 413 body_too_large
+gives "413 body_too_large" "a byte over the limit" send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H "$GZ"
 alive "bombs"
 req GET /v1/subjects/alice
 is "nothing changed" "$(get '.templates | length')" 1
@@ -134,8 +126,7 @@ minimal "the same again" 204
 is "Location" "$(field Location)" "$first"
 send POST /v1/subjects/min/templates "$PLY" "$T/a.ply" -H 'Prefer: return=representation'
 is "representation" "$STATUS $(get .subject) $(field Preference-Applied)" "200 min "
-send POST /v1/subjects/min/templates "$PLY" "$T/b.ply" -H "$MIN"
-problem "an error has its body" 409 sample_mismatch
+gives "409 sample_mismatch" "an error has its body" send POST /v1/subjects/min/templates "$PLY" "$T/b.ply" -H "$MIN"
 is "no preference is applied" "$(field Preference-Applied)" ""
 send POST /v1/subjects/min/verify "$JSON" "$T/a2.json"
 id=$(get .template_id)
@@ -166,14 +157,12 @@ scan 1 1 "$T/part.json" --pose 0 --shift 0
 jq -c '.points |= map(select(.[1] < 0))' "$T/part.json" >"$T/forehead.json"
 send POST /v1/subjects/min/verify "$JSON" "$T/forehead.json" -H "$MIN"
 only "a part of the face" inconclusive '"min"' "\"$id\""
-send POST /v1/subjects/nobody/verify "$JSON" "$T/a2.json" -H "$MIN"
-problem "an error has its body" 404 not_found
+gives "404 not_found" "an error has its body" send POST /v1/subjects/nobody/verify "$JSON" "$T/a2.json" -H "$MIN"
 is "no preference is applied" "$(field Preference-Applied)" ""
 req DELETE "$first" -H "$MIN"
 minimal "delete the template" 204
 req DELETE /v1/subjects/min -H "$MIN"
 minimal "erase" 204
-req GET /v1/subjects/min
-is "it is erased" "$STATUS" 404
+gives 404 "it is erased" req GET /v1/subjects/min
 
 finish

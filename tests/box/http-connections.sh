@@ -46,8 +46,7 @@ dripping=$!
 start_daemon --no-auth --max-connections-per-address 5
 hold 5 "$idle"
 held "five of one address" answered
-req GET /healthz
-is "a sixth" "$STATUS" 000
+gives 000 "a sixth" req GET /healthz
 let_go
 ok "served again after they are closed" soon serves
 ok "the metrics count it" counts too_many_of_one_address
@@ -56,15 +55,13 @@ start_daemon --no-auth --max-connections 8
 hold 8 "$body"
 held "eight in all, amid their bodies" sent
 sleep 1.2
-req GET /healthz
-is "a ninth" "$STATUS" 000
+gives 000 "a ninth" req GET /healthz
 let_go
 ok "served again after they are closed" soon serves
 hold 8 "$idle"
 held "eight in all, idle" answered
 sleep 1.2 # until then they are safe
-req GET /healthz
-is "a ninth takes the place of the one that is idle for longest" "$STATUS" 200
+gives 200 "a ninth takes the place of the one that is idle for longest" req GET /healthz
 held "which is closed" 'closed 1'
 let_go
 ok "the metrics count it" counts crowded_out
@@ -79,8 +76,7 @@ stop_daemon
 
 # ---- how long: each of these connections would stay open forever
 start_daemon --no-auth --timeout 1
-send POST /v1/subjects/a/templates "$PLY" "$T/a.ply"
-is "enrolled" "$STATUS" 201
+gives 201 "enrolled" send POST /v1/subjects/a/templates "$PLY" "$T/a.ply"
 before=$(open_files) # later, some of a closed connection may not be closed here yet
 for what in nothing headers body; do
     case $what in

@@ -36,8 +36,7 @@ read=$(new_token read --scope read)
 ctl token create manage --scope manage,verify,read
 id=$(said .id)
 manage=$(said .secret)
-send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
-is "enrolled" "$STATUS" 201
+gives 201 "enrolled" send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 template=$(get .template_id)
 shows '[null,null,null,false,false]'
 ok "last seen at the enrolment" matches "$(get .last_seen)" '^20[0-9-]*T[0-9:.]*Z$'
@@ -58,8 +57,7 @@ change alice '{"consent": "", "expires_at": null}' -H 'Prefer: return=minimal'
 is "no body if it is not wanted" "$STATUS $(field Preference-Applied)" '204 return=minimal'
 shows '[null,null,null,false,false]'
 before=$(sql "SELECT count(*) FROM $ENTRIES")
-change alice '{}'
-is "nothing to change" "$STATUS" 200
+gives 200 "nothing to change" change alice '{}'
 is "no audit event" "$(sql "SELECT count(*) FROM $ENTRIES")" "$before"
 req PATCH /v1/subjects/alice -H "$JSON" -d '{"expires_at": "2031-01-31"}'
 is "plain JSON, a date" "$STATUS $(get .expires_at)" '200 2031-01-31T23:59:59.999Z'
@@ -72,8 +70,7 @@ req POST /v1/subjects -H "$JSON" -d '{"subject": "d@ora:1", "consent": "C-2", "e
 is "created" "$STATUS $(field Location) $(get '[.consent, .purpose, .expires_at] | tojson')" \
     '201 /v1/subjects/d@ora:1 ["C-2",null,"2031-01-31T23:59:59.999Z"]'
 is "its audit event" "$(events add_subject | cut -d ' ' -f 1,3)" '2 d@ora:1'
-send POST /v1/subjects/d@ora:1/templates "$PLY" "$T/a.ply"
-is "enrolled then" "$STATUS" 201
+gives 201 "enrolled then" send POST /v1/subjects/d@ora:1/templates "$PLY" "$T/a.ply"
 AUTH=$read
 req GET /v1/subjects/d@ora:1
 is "with its consent" "$(get .consent)" C-2
@@ -85,26 +82,21 @@ is "on hold" "$STATUS $(get .hold)" '200 true'
 is "its audit event" "$(events hold_subject)" "1 $id alice"
 AUTH=$delete
 for one in subjects/alice "templates/$template"; do
-    req DELETE "/v1/$one"
-    problem "DELETE $one" 409 on_hold
+    gives "409 on_hold" "DELETE $one" req DELETE "/v1/$one"
 done
-change alice '{"hold": false}'
-problem "the scope delete cannot end the hold" 403 insufficient_scope
+gives "403 insufficient_scope" "the scope delete cannot end the hold" change alice '{"hold": false}'
 AUTH=$manage
 change alice '{"hold": false}'
 is "its audit event" "$(events release_subject)" "2 $id alice"
 
 # ---- disabled, expired
 change alice '{"disabled": true}'
-send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
-problem "disabled" 403 subject_disabled
+gives "403 subject_disabled" "disabled" send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 change alice '{"disabled": false}'
 change alice "$(ending)"
 sleep 1.1
-send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
-problem "expired" 403 subject_expired
-send POST "/v1/templates/$template/verify" "$PLY" "$T/a2.ply"
-problem "by its template too" 403 subject_expired
+gives "403 subject_expired" "expired" send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
+gives "403 subject_expired" "by its template too" send POST "/v1/templates/$template/verify" "$PLY" "$T/a2.ply"
 ctl purge --dry-run
 is "it is due for erasure" "$(said '.due[]')" alice
 change alice '{"expires_at": "2031-01-01"}'
@@ -113,7 +105,6 @@ send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 is "verified again" "$STATUS $(get .decision)" '200 match'
 is "the audit events" "$(events disable_subject) $(events enable_subject)" "1 $id alice 1 $id alice"
 AUTH=$delete
-req DELETE /v1/subjects/alice
-is "erased" "$STATUS" 200
+gives 200 "erased" req DELETE /v1/subjects/alice
 ctl_exits 0 audit verify
 finish

@@ -13,14 +13,12 @@ total=0
 for file in $files; do
     path=/console/$file
     [ "$file" != index.html ] || path=/console
-    req GET "$path" -H 'Accept-Encoding: gzip' --raw
-    is "$path" "$STATUS" 200
+    gives 200 "$path" req GET "$path" -H 'Accept-Encoding: gzip' --raw
     contains "$path: its policy" "$T/head" "default-src 'none'.*trusted-types 'none'"
     contains "$path: a browser asks again" "$T/head" '^Cache-Control: no-cache'
     total=$((total + $(wc -c <"$T/body")))
     tag=$(field ETag)
-    req GET "$path" -H "If-None-Match: $tag"
-    is "$path, which the browser has" "$STATUS" 304
+    gives 304 "$path, which the browser has" req GET "$path" -H "If-None-Match: $tag"
     req GET "$path"
     if [ "$file" = index.html ]; then at=server/console/index.html; else at=server/console/$file; fi
     ok "$path: the file" cmp -s "$T/body" "$at"
@@ -33,8 +31,7 @@ for file in one one_again one_turned other; do
     mv "$T/body" "$T/$file.ply"
 done
 for path in /console/ /console/none.js /console/../openapi.json /console/style.css/x /consoles; do
-    req GET "$path" --path-as-is
-    is "$path" "$STATUS" 404
+    gives 404 "$path" req GET "$path" --path-as-is
 done
 ok "no page has markup from texts" sh -c "! grep -En 'innerHTML|outerHTML|insertAdjacentHTML|document.write|eval\\(' server/console/*.js"
 ok "nothing of it is stored in the browser" sh -c "! grep -En 'localStorage|sessionStorage|indexedDB|document.cookie' server/console/*.js"
@@ -125,8 +122,7 @@ stop_daemon
 # ---- left out
 start_daemon --no-console
 for path in /console /console/style.css; do
-    req GET "$path"
-    is "$path with --no-console" "$STATUS" 404
+    gives 404 "$path with --no-console" req GET "$path"
 done
 req GET /
 is "the root is the API's description then" "$STATUS $(field Location)" "303 docs"

@@ -19,10 +19,8 @@ start_daemon
 from "$DESK" OPTIONS /v1/subjects -H 'Access-Control-Request-Method: POST'
 is "without the option" "$STATUS $(cors) $(field Vary)" '204 0 '
 is "what there is" "$(field Allow)" 'GET, HEAD, POST, OPTIONS'
-req OPTIONS /nowhere
-problem "no such path" 404 no_such_route
-req OPTIONS /v1/subjects -H "$JSON" -d '{}'
-is "with a body" "$STATUS" 204
+gives "404 no_such_route" "no such path" req OPTIONS /nowhere
+gives 204 "with a body" req OPTIONS /v1/subjects -H "$JSON" -d '{}'
 alive "that"
 stop_daemon
 
@@ -35,8 +33,7 @@ for origin in "$DESK" "$LOCAL"; do
     is "$origin may ask" "$STATUS $(field Access-Control-Allow-Origin)" "204 $origin"
     is "for what the path has" "$(field Access-Control-Allow-Methods)" 'GET, HEAD, POST, OPTIONS'
     ok "with a token" matches "$(field Access-Control-Allow-Headers)" '^Authorization, Content-Type,'
-    from "$origin" GET /v1/subjects
-    problem "without one" 401 unauthorized
+    gives "401 unauthorized" "without one" from "$origin" GET /v1/subjects
     is "it reads the problem" "$(field Access-Control-Allow-Origin) $(field Vary)" "$origin Origin"
     AUTH=$ME
     from "$origin" GET /v1/subjects

@@ -39,8 +39,7 @@ MANAGER=$(new_token manager --scope enroll,manage,read)
 
 # ---- one at a time, the victim's own scan first
 AUTH=$NARROW CODES=''
-send POST /v1/subjects/alice/templates "$XYZ" "$T/10.xyz"
-is "the victim" "$STATUS" 201
+gives 201 "the victim" send POST /v1/subjects/alice/templates "$XYZ" "$T/10.xyz"
 AUTH=$CHECKS
 verified alice no_match
 AUTH=$NARROW
@@ -83,8 +82,7 @@ AUTH=$MANAGER
 send POST '/v1/subjects/carol/templates?force=true' "$XYZ" "$T/20.xyz"
 is "with manage" "$STATUS $(get '.manager, .first_score < 0' | tr '\n' ' ')" '201 true true '
 AUTH=$NARROW
-send POST /v1/subjects/carol/templates "$XYZ" "$T/21.xyz"
-is "a sample that fits it" "$STATUS" 201
+gives 201 "a sample that fits it" send POST /v1/subjects/carol/templates "$XYZ" "$T/21.xyz"
 ctl_exits 0 enroll dave "$T/10.xyz" --axes scanner
 ctl_exits 0 template list dave
 is "surfacectl counts as manage" "$(said '.templates[0] | "\(.manager) \(.first_score)"')" 'true 0'

@@ -196,8 +196,7 @@ one=$(new_token ending --scope events --expires 4s)
 ended "one that expires" true
 req GET '/v1/events?last=0' -H "Authorization: Bearer $one"
 AUTH=$one
-req GET /v1/events
-problem "and opens none" 401 unauthorized
+gives "401 unauthorized" "and opens none" req GET /v1/events
 AUTH=$ALL_TOKEN
 
 # ---- a killed daemon
@@ -206,14 +205,12 @@ for round in 1 2 3; do
     kill_daemon
     if [ "$URL2" != "$URL1" ]; then
         URL=$URL2
-        verify alice a2
-        is "the other goes on" "$STATUS" 200
+        gives 200 "the other goes on" verify alice a2
         URL=$URL1
     fi
     start_daemon --attempt-subjects 1000
     ONE=$PID
-    verify alice a2
-    is "round $round" "$STATUS" 200
+    gives 200 "round $round" verify alice a2
 done
 # shellcheck disable=SC2317 # called by soon
 all_came() {
@@ -243,8 +240,7 @@ holder=$!
 exec 8>"$T/hold"
 ok "200 are open" soon grep -q open "$T/held"
 is "and no more" "$(cat "$T/held")" "open 200 refused 20"
-req GET '/v1/events?last=1'
-problem "nor a page" 503 too_many_streams
+gives "503 too_many_streams" "nor a page" req GET '/v1/events?last=1'
 ok "which says when" test "$(field Retry-After)" -ge 10
 rss() {
     awk '$1 == "VmRSS:" { print $2 }' "/proc/$PID/status"

@@ -43,8 +43,7 @@ is "its location" "$(field Location)" "/v1/templates/$(get .template_id)"
 is "with their names" "$(get '[.frames[].file] | join(" ")')" 'a0.ply a1.ply none.ply a2.ply plane.xyz'
 fused=$(get .quality.noise_mm)
 id=$(get .template_id)
-send POST /v1/subjects/single/templates "$PLY" "$T/a0.ply"
-is "one frame is enrolled" "$STATUS" 201
+gives 201 "one frame is enrolled" send POST /v1/subjects/single/templates "$PLY" "$T/a0.ply"
 ok "it has more noise" jq_true "$fused < 0.8 * .quality.noise_mm" "$T/body"
 form subjects/alice/templates a0.ply a1.ply none.ply a2.ply plane.xyz
 is "again: the same template" "$STATUS $(get .template_id)" "200 $id"
@@ -64,8 +63,7 @@ form subjects/erin/templates none.ply plane.xyz
 problem "no frame has a face" 422 not_a_face 'none of the 2 frames shows a face; plane.xyz: the surface'
 is "each is listed" "$LIST" 'malformed not_a_face'
 is "nothing was stored" "$(stored templates)" "$before"
-form subjects/alice/templates b0.ply b1.ply b2.ply
-problem "another person's session" 409 sample_mismatch
+gives "409 sample_mismatch" "another person's session" form subjects/alice/templates b0.ply b1.ply b2.ply
 is "is one attempt" "$(events enroll_mismatch)" 1
 form subjects/alice/templates a3.ply a4.ply
 is "a further one" "$STATUS $LIST" '201 used used'
@@ -120,13 +118,10 @@ is "each is listed" "$LIST" 'used several_people used'
 is "which is compared with nobody" "$(events verify)" "$before"
 form subjects/alice/verify plane.xyz none.ply
 problem "no face" 422 not_a_face 'none of the 2 frames shows a face; plane.xyz: '
-form subjects/alice/verify a5.ply a1.ply
-problem "a frame of a template" 422 replayed
-form subjects/alice/verify a2.ply
-problem "by itself" 422 replayed
+gives "422 replayed" "a frame of a template" form subjects/alice/verify a5.ply a1.ply
+gives "422 replayed" "by itself" form subjects/alice/verify a2.ply
 form subjects/alice/verify b3.ply b4.ply
-form subjects/alice/verify a5.ply a6.ply
-problem "locked out" 429 too_many_attempts
+gives "429 too_many_attempts" "locked out" form subjects/alice/verify a5.ply a6.ply
 set --
 for _ in $(seq 11); do set -- "$@" a0.ply; done
 form subjects/single/verify "$@"

@@ -11,8 +11,7 @@ done
 scan 1 1 "$T/probe.ply"
 "$BUILD/facegen" --subject 1 --points 1000 --format json | jq '{a: ., b: .}' >"$T/two.json"
 start_daemon --no-auth
-send POST /v1/subjects/s1/templates "$PLY" "$T/s1.ply"
-is "enroll with room" "$STATUS" 201
+gives 201 "enroll with room" send POST /v1/subjects/s1/templates "$PLY" "$T/s1.ply"
 prlimit --pid "$PID" --fsize=600000 # only now: a sanitizer's files at the start are larger
 stored=1
 STATUS=201
@@ -24,8 +23,7 @@ done
 problem "the disk is full (after $stored)" 503 storage
 again "when" 1
 ok "the log says why" grep -Eq 'status=503 .*fault="' "$LOG"
-req GET "/v1/subjects/s$s"
-problem "the failed enrolment stored nothing" 404 not_found
+gives "404 not_found" "the failed enrolment stored nothing" req GET "/v1/subjects/s$s"
 req GET '/v1/subjects?limit=100'
 is "all enrolments before it are stored" "$(get '.subjects | length')" "$stored"
 told=0 # entries take less room than a template: some of them still have it
@@ -49,8 +47,7 @@ alive "a full disk"
 stop_daemon
 
 start_daemon --no-auth
-send POST "/v1/subjects/s$s/templates" "$PLY" "$T/s$s.ply"
-is "enroll with room again" "$STATUS" 201
+gives 201 "enroll with room again" send POST "/v1/subjects/s$s/templates" "$PLY" "$T/s$s.ply"
 send POST /v1/subjects/s1/verify "$PLY" "$T/probe.ply"
 is "and a verification" "$STATUS $(get .decision)" "200 match"
 is "the database is intact" "$(sqlite3 "$DB" 'PRAGMA integrity_check')" ok

@@ -36,13 +36,11 @@ is "none of them was taken" "$(templates alice)" 18
 form alice 18 17 19
 is "2 more, and one that is there" "$STATUS $(templates alice)" '201 20'
 for n in 20 21; do
-    send POST /v1/subjects/alice/templates "$PLY" "$T/$n.ply"
-    problem "one more" 409 too_many_templates
+    gives "409 too_many_templates" "one more" send POST /v1/subjects/alice/templates "$PLY" "$T/$n.ply"
     send POST '/v1/subjects/alice/templates?force=true' "$PLY" "$T/$n.ply"
     problem "one more, by force" 409 too_many_templates
 done
-send POST /v1/subjects/alice/templates "$PLY" "$T/7.ply"
-is "one that is there" "$STATUS" 200
+gives 200 "one that is there" send POST /v1/subjects/alice/templates "$PLY" "$T/7.ply"
 send POST /v1/subjects/alice/verify "$PLY" "$T/20.ply"
 is "verified" "$STATUS $(get .decision) $(get .templates_compared)" '200 match 20'
 is "no failed attempts" "$(sql 'SELECT count(*) FROM attempts')" 0

@@ -187,12 +187,10 @@ add '{"subject": "p-west"}'
 is "an id that others have" "$ADDED" '409 exists'
 send POST /v1/subjects/p-west/templates "$PLY" "$T/scan4.ply"
 is "a template for such an id" "$STATUS $(get .code)" '409 exists'
-send POST /v1/subjects/p-new/templates "$PLY" "$T/scan1.ply"
-is "a subject that is new" "$STATUS" 201
+gives 201 "a subject that is new" send POST /v1/subjects/p-new/templates "$PLY" "$T/scan1.ply"
 ctl subject show p-new
 is "has the token's groups" "$(said '.groups | tojson')" '["east"]'
-send POST /v1/subjects/p-both/templates "$PLY" "$T/scan2.ply"
-is "a template of one that is there" "$STATUS" 200
+gives 200 "a template of one that is there" send POST /v1/subjects/p-both/templates "$PLY" "$T/scan2.ply"
 is "no template of others is new" "$(ctl subject show p-west && said '.templates | length')" 1
 
 # ---- changes
@@ -220,8 +218,7 @@ AUTH=$both
 change p-both '{"groups": ["west"], "identify": false}'
 is "from one to another" "$CHANGED $(get .identify)" '200 west false'
 AUTH=$east
-req GET /v1/subjects/p-both
-is "the next request of the first does not see it" "$STATUS" 404
+gives 404 "the next request of the first does not see it" req GET /v1/subjects/p-both
 AUTH=$admin
 change p-both '{"groups": ["b", "a", "b"], "identify": null}'
 is "by a token that is not bound" "$CHANGED $(get .identify)" '200 a,b true'
@@ -258,11 +255,9 @@ is "those that exist for it" "$(get '[.tokens[] | "\(.name)[\(.groups | join(","
 AUTH=$east
 req GET /v1/tokens
 is "those that exist for the other" "$(get '[.tokens[] | .name] | join(" ")')" 'east x'
-req DELETE "/v1/tokens/$child"
-is "not another's" "$STATUS" 404
+gives 404 "not another's" req DELETE "/v1/tokens/$child"
 AUTH=$both
-req DELETE "/v1/tokens/$child"
-is "its own" "$STATUS" 204
+gives 204 "its own" req DELETE "/v1/tokens/$child"
 ctl token create y --scope audit,read --group east
 ctl_failed "surfacectl with audit" 65 'cannot have the scope audit'
 

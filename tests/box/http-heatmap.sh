@@ -56,8 +56,7 @@ ok "a point moved 2 mm to the scanner, another sent twice" jq_true --argjson i "
 send POST /v1/subjects/a/templates "$JSON" "$T/a.json"
 id=$(get .template_id)
 for route in "subjects/a" "templates/$id"; do
-    send POST "/v1/$route/verify?detail=heatmap" "$JSON" "$T/b.json"
-    is "verify at $route" "$STATUS" 200
+    gives 200 "verify at $route" send POST "/v1/$route/verify?detail=heatmap" "$JSON" "$T/b.json"
     ok "the heatmap of compare" jq_true --slurpfile a "$T/first" \
         '.heatmap == $a[0].heatmap and .cells == $a[0].cells' "$T/body"
 done

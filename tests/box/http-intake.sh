@@ -15,8 +15,7 @@ trap 'umount -l "$T/disk" 2>/dev/null; cleanup' EXIT
 
 start_daemon --no-auth
 for i in $(seq 0 9); do
-    enroll dave "$i"
-    is "no limit, $i" "$STATUS" 201
+    gives 201 "no limit, $i" enroll dave "$i"
 done
 is "there is room" "$(metric surfaced_storage_full)" 0
 stop_daemon
@@ -27,8 +26,7 @@ enroll alice 0
 problem "an enrolment" 503 storage_full 'try again later'
 again "not soon" 60
 ok "the log says how much is free" grep -Eq 'fault="[0-9]+ MB are free .* disk-reserve keeps 1024000000 MB' "$LOG"
-req POST /v1/subjects -H "$JSON" -d '{"subject": "erin"}'
-problem "a subject" 503 storage_full
+gives "503 storage_full" "a subject" req POST /v1/subjects -H "$JSON" -d '{"subject": "erin"}'
 send POST /v1/subjects/dave/verify "$PLY" "$T/other.ply"
 is "a verification" "$STATUS $(get .decision)" '200 no_match'
 for i in 1 2 3; do
@@ -36,11 +34,9 @@ for i in 1 2 3; do
     problem "several files, $i" 503 storage_full
     again "several files, $i: not soon" 60
 done
-req GET /readyz
-is "it is ready" "$STATUS" 200
+gives 200 "it is ready" req GET /readyz
 is "as metrics" "$(metric surfaced_storage_full) $(metric surfaced_enrollments_refused_total)" '1 5'
-req DELETE /v1/subjects/dave
-is "an erasure" "$STATUS" 200
+gives 200 "an erasure" req DELETE /v1/subjects/dave
 stop_daemon
 
 # ---- a disk that fills up
@@ -51,18 +47,15 @@ if ! mount -t tmpfs -o size=24m tmpfs "$T/disk" 2>"$T/mount"; then
 fi
 DB=$T/disk/faces.db
 start_daemon --no-auth --disk-reserve 8M
-enroll alice 0
-is "with room" "$STATUS" 201
+gives 201 "with room" enroll alice 0
 head -c 16M /dev/zero >"$T/disk/else"
-enroll alice 1
-problem "without" 503 storage_full
+gives "503 storage_full" "without" enroll alice 1
 for _ in $(seq 100); do
     send POST /v1/subjects/alice/verify "$PLY" "$T/9.ply"
     [ "$STATUS" = 200 ] || break
 done
 is "100 verifications" "$STATUS $(get .decision)" '200 match'
 rm "$T/disk/else"
-enroll alice 1
-is "with room again" "$STATUS" 201
+gives 201 "with room again" enroll alice 1
 is "the gauge" "$(metric surfaced_storage_full)" 0
 finish

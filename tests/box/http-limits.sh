@@ -59,14 +59,12 @@ is "it is an attempt" "$(failures alice)" 2
 is "and an event" "$(sql "SELECT kind, outcome FROM $ENTRIES ORDER BY at DESC, seq DESC LIMIT 1")" 'verify|no_match'
 decides "its own" match alice "$T/a1.ply"
 decides "a failure" no_match alice "$T/b.ply"
-verify alice "$T/b.ply" '?threshold=-1000'
-is "a threshold in the request" "$STATUS" 400
+gives 400 "a threshold in the request" verify alice "$T/b.ply" '?threshold=-1000'
 is "it is not an attempt" "$(failures alice)" 1
 decides "another match" match alice "$T/a1.ply"
 is "it resets the count too" "$(failures alice)" 0
 printf 'ply\n' >"$T/bad"
-verify alice "$T/bad"
-is "a malformed scan" "$STATUS" 400
+gives 400 "a malformed scan" verify alice "$T/bad"
 is "it is not an attempt either" "$(failures alice)" 0
 for i in 1 2; do
     decides "failure $i again" no_match alice "$T/b.ply"
@@ -80,8 +78,7 @@ locked_out "by template" 300
 locked_out "with another query" 300 alice "$T/a1.ply" '?units=mm'
 is "rejected requests are not failures" "$(failures alice)" 3
 decides "another subject is not locked out" match bob "$T/b1.ply"
-verify nobody "$T/b.ply"
-problem "an unknown subject" 404 not_found
+gives "404 not_found" "an unknown subject" verify nobody "$T/b.ply"
 
 stop_daemon
 start_daemon --no-auth --attempt-wait 300
@@ -140,8 +137,7 @@ known=$(new_token known)
 unused=$(new_token unused)
 start_daemon --rate-limit-tokens 1 # one a minute: the test has a minute
 AUTH=$known
-req GET /v1/subjects
-is "a valid token" "$STATUS" 200
+gives 200 "a valid token" req GET /v1/subjects
 send_wrong 1
 problem "a wrong one" 401 unauthorized
 send_wrong 1
@@ -149,22 +145,16 @@ problem "another" 429 too_many_wrong_tokens
 again "when" 1 60
 is "no WWW-Authenticate" "$(field WWW-Authenticate)" ''
 AUTH=$unused
-req GET /v1/subjects
-problem "a valid one that this address has not used before" 429 too_many_wrong_tokens
+gives "429 too_many_wrong_tokens" "a valid one that this address has not used before" req GET /v1/subjects
 AUTH=$known
-req GET /v1/subjects
-is "one that it has used" "$STATUS" 200
+gives 200 "one that it has used" req GET /v1/subjects
 AUTH=''
-req GET /v1/subjects
-problem "no token" 401 unauthorized
-req GET /healthz
-is "a path that needs none" "$STATUS" 200
+gives "401 unauthorized" "no token" req GET /v1/subjects
+gives 200 "a path that needs none" req GET /healthz
 ctl token revoke "$(sql "SELECT id FROM tokens WHERE name = 'known'")"
 AUTH=$known
-req GET /v1/subjects
-problem "a revoked token" 401 unauthorized
-req GET /v1/subjects
-problem "after that it is a wrong one" 429 too_many_wrong_tokens
+gives "401 unauthorized" "a revoked token" req GET /v1/subjects
+gives "429 too_many_wrong_tokens" "after that it is a wrong one" req GET /v1/subjects
 stop_daemon
 start_daemon --rate-limit-tokens 0
 send_wrong 40

@@ -18,8 +18,7 @@ score=$(get .score)
 req POST "/v1/templates/$id/verify" -H "$PLY" --data-binary "@$T/b.ply"
 req POST /v1/subjects/nobody/verify -H "$PLY" --data-binary "@$T/b.ply"
 req POST /v1/subjects/alice/verify -H "$PLY" --data-binary "@$T/b.ply"
-req POST /v1/subjects/alice/verify -H "$PLY" --data-binary "@$T/a2.ply"
-problem "locked out" 429 too_many_attempts
+gives "429 too_many_attempts" "locked out" req POST /v1/subjects/alice/verify -H "$PLY" --data-binary "@$T/a2.ply"
 req POST /v1/compare -F "a=@$T/a.ply" -F "b=@$T/b.ply"
 req GET /v1/recent
 is "what happened" "$(get '[.recent[] | [.seq, .kind, .subject, .outcome, .code] | map(tostring) | join(" ")] | join("; ")')" \
@@ -31,8 +30,7 @@ req GET '/v1/recent?after=4&limit=1'
 is "the newest one beyond the fourth" "$(get '[[.recent[].seq], .last] | tojson')" '[[6],6]'
 req GET '/v1/recent?after=6'
 is "none beyond the last" "$(get tojson)" '{"last":6,"recent":[]}'
-req DELETE /v1/subjects/alice/attempts
-is "the lock-out ends" "$STATUS" 204
+gives 204 "the lock-out ends" req DELETE /v1/subjects/alice/attempts
 req POST /v1/subjects/alice/verify -H "$PLY" --data-binary "@$T/a2.ply"
 is "at once" "$STATUS $(get .decision)" '200 match'
 is "and is recorded" "$(sql "SELECT count(*) FROM $ENTRIES WHERE kind LIKE '%attempts%'")" 1

@@ -139,8 +139,7 @@ is "its place" "$(field Location)" "/v1/tokens/$id"
 ok "it ends in a year" jq_true '(.expires_at | sub("\\.[0-9]*"; "") | fromdate) - now | . > 364 * 86400 and . < 366 * 86400' "$T/body"
 is "not kept by anybody" "$(field Cache-Control)" no-store
 AUTH=$secret
-req GET /v1/subjects
-is "it is good" "$STATUS" 200
+gives 200 "it is good" req GET /v1/subjects
 req GET /v1/tokens
 problem "but not for this" 403 insufficient_scope tokens
 AUTH=$me
@@ -165,19 +164,15 @@ problem "more than his own" 403 insufficient_scope 'delete,detail'
 is "what it takes" "$(field WWW-Authenticate)" 'Bearer realm="surfaced", error="insufficient_scope", scope="delete detail"'
 post "/v1/tokens/$mine/rotate" '{}'
 problem "nor another's secret" 403 insufficient_scope
-req DELETE "/v1/tokens/$mine"
-problem "nor the end of one that may do more" 403 insufficient_scope
+gives "403 insufficient_scope" "nor the end of one that may do more" req DELETE "/v1/tokens/$mine"
 post /v1/tokens '{"name": "same", "scopes": ["verify", "tokens"]}'
 is "as much as his own" "$STATUS" 201
 other=$(get .id)
 post "/v1/tokens/$other/rotate" '{"grace_s": 60}'
 is "and its secret" "$STATUS $(get '.old_secret_until != null')" '200 true'
-req DELETE "/v1/tokens/$managing"
-problem "not himself" 409 own_token
-req DELETE "/v1/tokens/$other"
-is "another" "$STATUS" 204
-req DELETE "/v1/tokens/$other"
-is "again" "$STATUS" 204
+gives "409 own_token" "not himself" req DELETE "/v1/tokens/$managing"
+gives 204 "another" req DELETE "/v1/tokens/$other"
+gives 204 "again" req DELETE "/v1/tokens/$other"
 post "/v1/tokens/$other/rotate" '{}'
 problem "no secret for one that was revoked" 409 token_revoked
 AUTH=$me
@@ -185,17 +180,14 @@ post "/v1/tokens/$id/rotate" '{}'
 is "rotated" "$STATUS $(get '[.id, .old_secret_until] | tojson')" "200 [\"$id\",null]"
 new=$(get .secret)
 AUTH=$secret
-req GET /v1/token
-problem "the old secret" 401 unauthorized
+gives "401 unauthorized" "the old secret" req GET /v1/token
 AUTH=$new
 req GET /v1/token
 is "the new one" "$STATUS $(get .id)" "200 $id"
 AUTH=$me
-req DELETE "/v1/tokens/$id"
-is "revoked" "$STATUS" 204
+gives 204 "revoked" req DELETE "/v1/tokens/$id"
 AUTH=$new
-req GET /v1/token
-problem "at once" 401 unauthorized
+gives "401 unauthorized" "at once" req GET /v1/token
 AUTH=$me
 req GET /v1/tokens
 is "it says when" "$(get ".tokens[] | select(.id == \"$id\") | [.state, (.revoked_at | length)] | tojson")" '["revoked",24]'
@@ -222,8 +214,7 @@ is "and so does doctor" "$(said '[.findings[] | select(.about | IN("templates", 
 # the scores of a day: a match, a mirror image's or a replayed scan none, each in its bin
 send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a2.ply"
 score=$(get .score)
-send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a.ply"
-problem "no new scan" 422 replayed
+gives "422 replayed" "no new scan" send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a.ply"
 send POST /v1/subjects/Alice@home/verify "$PLY" "$T/b.ply"
 low=$(get .score)
 "$BUILD/surfacectl" --db "$DB" verify Alice@home "$T/a2.ply" >"$T/out"
@@ -240,8 +231,7 @@ sqlite3 "$DB" "PRAGMA ignore_check_constraints = 1; UPDATE days SET bins = x'00'
 req GET /v1/stats
 is "damaged" "$STATUS $(get '[.days[] | select(.day < "3") | .bins | add] | tojson')" '200 [0,0]'
 req DELETE /v1/subjects/Alice@home/attempts
-send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a2.ply"
-is "and a verification goes on" "$STATUS" 200
+gives 200 "and a verification goes on" send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a2.ply"
 sql "DELETE FROM days WHERE day = '<b>'"
 
 # the scans of a token: those that were compared, and those that were refused
@@ -311,8 +301,7 @@ problem "a second one" 503 overloaded 'one at a time'
 again "when again" 5
 req GET /v1/audit/export
 problem "nor an export beside it" 503 overloaded 'one at a time'
-req GET /v1/subjects
-is "others go on" "$STATUS" 200
+gives 200 "others go on" req GET /v1/subjects
 all_sent
 is "the first one found it" "$TALLY $(jq -r '[.ok, (.findings | length)] | tojson' "$T/o.walk")" '200x1 [false,1]'
 sql "DELETE FROM access_log WHERE kind = 'filler'"
@@ -325,6 +314,5 @@ ok "who goes leaves the place" soon sh -c "test \"\$(curl -sS -o /dev/null -w '%
 sql "UPDATE subjects SET hold = 1 - hold WHERE subject_key = 1"
 req POST /v1/audit/verify
 is "a changed row" "$STATUS $(get '[.ok, .problems] | tojson')" '200 [false,2]'
-req GET /v1/audit
-problem "nothing more" 503 database_refused
+gives "503 database_refused" "nothing more" req GET /v1/audit
 finish

@@ -21,8 +21,7 @@ no_shape() {
         ))) | join(" ")')" ""
 }
 AUTH=$all
-send POST /v1/subjects/alice/templates "$PLY" "$T/alice.ply"
-is "alice is enrolled" "$STATUS" 201
+gives 201 "alice is enrolled" send POST /v1/subjects/alice/templates "$PLY" "$T/alice.ply"
 template=$(get .template_id)
 
 # ---- a face from two heat maps
@@ -49,8 +48,7 @@ for path in subjects/alice/verify "templates/$template/verify"; do
     is "$path" "$STATUS $(get 'has("score")')" '200 true'
     no_shape "$path"
 done
-send POST /v1/compare "$JSON" "$T/two.json"
-is "compare" "$STATUS" 200
+gives 200 "compare" send POST /v1/compare "$JSON" "$T/two.json"
 no_shape compare
 
 # ---- a face from the numbers of non-matches: nothing of the template is told
@@ -126,8 +124,7 @@ is "and counted" "$(metric 'surfaced_enrollments_total{outcome="mismatch"}')" 3
 send POST /v1/subjects/alice/templates "$PLY" "$T/alice2.ply"
 problem "the right face has to wait too" 429 too_many_attempts
 AUTH=$verify
-send POST /v1/subjects/alice/verify "$PLY" "$T/alice2.ply"
-problem "and so do verifications" 429 too_many_attempts
+gives "429 too_many_attempts" "and so do verifications" send POST /v1/subjects/alice/verify "$PLY" "$T/alice2.ply"
 AUTH=$enroll
 send POST '/v1/subjects/alice/templates?force=true' "$PLY" "$T/mallory.ply"
 problem "by force" 403 insufficient_scope 'scope manage'
@@ -147,8 +144,7 @@ all_sent
 is "of 24 at once" "$TALLY" "409x3 429x21"
 "$BUILD/surfacectl" --db "$DB" attempts reset alice >/dev/null 2>&1
 AUTH=$(new_token forced --scope enroll,manage)
-send POST '/v1/subjects/alice/templates?force=true' "$PLY" "$T/mallory.ply"
-is "with both, by force" "$STATUS" 201
+gives 201 "with both, by force" send POST '/v1/subjects/alice/templates?force=true' "$PLY" "$T/mallory.ply"
 
 # ---- tokens by silence
 ctl token create door

@@ -17,11 +17,9 @@ AUTH=$(jq -r .secret "$T/ctl")
 token_id=$(jq -r .id "$T/ctl")
 ok "a token" matches "$AUTH $token_id" '^[^ ]{20,} [0-9a-f]{32}$'
 start_daemon --workers 2
-send POST '/v1/subjects/alice/templates?label=secretlabel' "$PLY" "$T/a.ply"
-is "enrolled" "$STATUS" 201
+gives 201 "enrolled" send POST '/v1/subjects/alice/templates?label=secretlabel' "$PLY" "$T/a.ply"
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
-send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
-is "a mismatch" "$STATUS" 409
+gives 409 "a mismatch" send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
 send POST /v1/subjects/alice/verify "$PLY" "$T/p.ply" -H 'X-Request-Id: traced-1'
 is "a match" "$(get .decision)" match
 get .score >"$T/private"
@@ -30,16 +28,13 @@ is "a non-match" "$(get .decision)" no_match
 get .score >>"$T/private"
 send POST /v1/subjects/alice/verify "$BYTES" "$T/p.xyz"
 echo '{"points": [[12.3456789, 1, "oops"]]}' >"$T/bad.json"
-send POST /v1/subjects/alice/verify "$JSON" "$T/bad.json"
-is "malformed" "$STATUS" 400
+gives 400 "malformed" send POST /v1/subjects/alice/verify "$JSON" "$T/bad.json"
 printf '12.3456789 1 nan\n3 4 5e999\n' >"$T/bad.xyz"
-send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/bad.xyz"
-is "not finite" "$STATUS" 422
+gives 422 "not finite" send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/bad.xyz"
 req GET "/v1/subjects/alice?probe=12.3456789"
 good=$AUTH
 AUTH=0123456789abcdef-wrong-token
-req GET /v1/subjects/alice
-is "a wrong token" "$STATUS" 401
+gives 401 "a wrong token" req GET /v1/subjects/alice
 AUTH=$good
 for hostile in 'x" level="error' 'x level=error' 'a\nb' "$(printf 'a\tb')" '","x":"'; do
     req GET "/v1/subjects/al%22%0aice?x=$AUTH" -H "X-Request-Id: $hostile"
@@ -177,12 +172,10 @@ mv "$DB" "$T/elsewhere"
 req GET /readyz
 problem "the database is gone" 503 not_ready 'not the one that was opened'
 again "when" 1
-req GET /healthz
-is "still alive" "$STATUS" 200
+gives 200 "still alive" req GET /healthz
 is "the metric says so" "$(metric surfaced_database_refused)" 1
 mv "$T/elsewhere" "$DB"
-req GET /readyz
-problem "and back again, until the daemon is started again" 503 not_ready
+gives "503 not_ready" "and back again, until the daemon is started again" req GET /readyz
 stop_daemon
 start_daemon --no-auth --workers 2
 

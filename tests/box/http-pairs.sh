@@ -75,8 +75,7 @@ is "the foreign one is named" "$(get '[.templates[] | select(.fits == false).tem
 
 # ---- whoever may not be verified can still be looked at
 "$BUILD/surfacectl" --db "$DB" subject disable alice >"$T/ctl" 2>&1
-pairs alice
-is "a person who is disabled" "$STATUS" 200
+gives 200 "a person who is disabled" pairs alice
 
 # ---- what is kept: an entry for each, nothing else
 is "an entry each" "$(sql "SELECT count(*) || ' ' || max(outcome) FROM access_log WHERE kind = 'compare_templates'")" "7 sent"
@@ -97,8 +96,7 @@ AUTH=$(new_token doors --scope verify,score,detail,manage)
 pairs alice
 is "not without read" "$STATUS $(get .code)" "403 insufficient_scope"
 AUTH=$(new_token west --scope read,score --group west)
-pairs alice
-is "bound to her group" "$STATUS" 200
+gives 200 "bound to her group" pairs alice
 AUTH=$(new_token east --scope read,score --group east)
 pairs alice
 is "bound to another" "$STATUS $(get .code)" "404 not_found"

@@ -102,15 +102,13 @@ stop_daemon
 all_sent
 ok "running requests are finished ($(cat "$T"/s.* | tr '\n' ' '))" test "$(count 200)" -ge 3
 ok "the stop is logged" grep -q 'msg="stopped"' "$LOG"
-req GET /healthz
-is "the daemon does not listen" "$STATUS" 000
+gives 000 "the daemon does not listen" req GET /healthz
 
 # A client that connects just then has the I/O thread look at the socket as it is closed.
 UNDER="env LD_PRELOAD=$BUILD/slow_shim.so" start_daemon --no-auth
 kill -TERM "$PID"
 sleep 0.1
-req GET /healthz
-is "a client during a stop" "$STATUS" 000
+gives 000 "a client during a stop" req GET /healthz
 stop_daemon
 
 # SIGINT stops it too, even while a client sends its body.

@@ -48,8 +48,7 @@ for header in local unspec ${S}2000000b04000178030004deadbeef; do
 done
 is "in parts" "$(via tlvs:192.0.2.8 /healthz --by 3)" 200
 ok "in parts: logged" soon logged 192.0.2.8
-req GET /healthz
-is "from elsewhere, without a header" "$STATUS" 200
+gives 200 "from elsewhere, without a header" req GET /healthz
 ok "from elsewhere: logged" soon logged 127.0.0.1
 for client in 192.0.2.77 2001:db8::77 local; do
     is "from elsewhere, with a header, $client: no HTTP" "$(via $client /healthz --from 127.0.0.3)" closed
@@ -90,8 +89,7 @@ hold 1500 "$signature"
 held "of 1,500 waiting ones" sent
 ok "no more than 1,024 are open" test "$(find "/proc/$PID/fd" -mindepth 1 | wc -l)" -lt 1100
 is "another is served" "$(via 192.0.2.7 /healthz)" 200
-req GET /healthz
-is "and one from elsewhere" "$STATUS" 200
+gives 200 "and one from elsewhere" req GET /healthz
 sanitized || ok "while they wait" test "$(find "/proc/$PID/fd" -mindepth 1 | wc -l)" -gt 900
 held "the others are closed in time" 'closed 1500'
 let_go
@@ -235,8 +233,7 @@ for proxy in "$tcp" "$http"; do
     done
     is "HAProxy: wrong tokens" "$all" ' 401 401 401 429 429'
     ok "HAProxy: its client is logged too" soon logged "127.0.0.$n"
-    from 127.0.0.10 "$proxy"
-    is "HAProxy: another client" "$STATUS" 200
+    gives 200 "HAProxy: another client" from 127.0.0.10 "$proxy"
     AUTH='' from 127.0.0.10 "$proxy" -H 'Authorization: Bearer wrong'
     is "HAProxy: its first wrong token" "$STATUS" 401
     from 127.0.0.3 "$proxy" -H 'X-Forwarded-For: 192.0.2.1' -H 'Forwarded: for=192.0.2.1'

@@ -38,8 +38,7 @@ tac "$T/turned.xyz" >"$T/turned-tac.xyz"
 start_daemon --no-auth --attempts 0
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 id=$(get .template_id)
-send POST /v1/subjects/bob/templates "$XYZ" "$T/turned.xyz"
-is "a scan on its side is enrolled" "$STATUS" 201
+gives 201 "a scan on its side is enrolled" send POST /v1/subjects/bob/templates "$XYZ" "$T/turned.xyz"
 for i in a.ply shuffled.xyz twice.xyz a.json metres.xyz a.ply.gz; do
     verify alice "$BYTES" "$T/$i"
     problem "$i" 422 replayed 'scan again'
@@ -47,10 +46,8 @@ for i in a.ply shuffled.xyz twice.xyz a.json metres.xyz a.ply.gz; do
 done
 verify alice "$XYZ" "$T/turned-tac.xyz"
 decides "the scan of another subject's template" match
-verify bob "$XYZ" "$T/turned-tac.xyz"
-problem "one that is turned, in another order" 422 replayed
-send POST "/v1/templates/$id/verify" "$JSON" "$T/a.json"
-problem "by template" 422 replayed
+gives "422 replayed" "one that is turned, in another order" verify bob "$XYZ" "$T/turned-tac.xyz"
+gives "422 replayed" "by template" send POST "/v1/templates/$id/verify" "$JSON" "$T/a.json"
 # Enrolled again it is the template that is there, also where not all of its points are used.
 send POST /v1/subjects/alice/templates "$BYTES" "$T/metres.xyz"
 is "enrolled again: the same template" "$STATUS $(get .template_id)" "200 $id"
@@ -76,12 +73,10 @@ decides "which is taken over HTTP too" match
 verify alice "$PLY" "$T/a1.ply"
 decides "and once more" match
 req DELETE /v1/subjects/alice
-send POST /v1/subjects/alice/templates "$PLY" "$T/a1.ply"
-is "erased and enrolled again" "$STATUS" 201
+gives 201 "erased and enrolled again" send POST /v1/subjects/alice/templates "$PLY" "$T/a1.ply"
 verify alice "$PLY" "$T/a.ply"
 decides "what the template was made of that is gone" match
-verify alice "$PLY" "$T/a1.ply"
-problem "the new one's" 422 replayed
+gives "422 replayed" "the new one's" verify alice "$PLY" "$T/a1.ply"
 req DELETE /v1/subjects/alice
 req DELETE /v1/subjects/bob
 is "nothing is left" "$(sql "SELECT count(*) FROM faces")" 0
@@ -91,9 +86,7 @@ stop_daemon
 start_daemon --no-auth
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 for i in 1 2 3; do
-    verify alice "$PLY" "$T/a.ply"
-    problem "replay $i" 422 replayed
+    gives "422 replayed" "replay $i" verify alice "$PLY" "$T/a.ply"
 done
-verify alice "$PLY" "$T/a1.ply"
-problem "then" 429 too_many_attempts
+gives "429 too_many_attempts" "then" verify alice "$PLY" "$T/a1.ply"
 finish

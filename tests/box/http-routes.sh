@@ -29,8 +29,7 @@ ok "openapi's references resolve" jq_true '. as $d
     | all(. as $p | $d | getpath($p) != null)' "$T/body"
 
 # ---- enroll
-send POST '/v1/subjects/alice/templates?label=scanner%201' "$PLY" "$T/a.ply"
-is "enroll" "$STATUS" 201
+gives 201 "enroll" send POST '/v1/subjects/alice/templates?label=scanner%201' "$PLY" "$T/a.ply"
 id=$(get .template_id)
 is "Location" "$(field Location)" "/v1/templates/$id"
 is "its description" "$(get '[.subject, .label, .points > 2900, .triangles > 5000,
@@ -42,8 +41,7 @@ cp "$T/body" "$T/first"
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply" -H 'Idempotency-Key: one'
 is "the same cloud again, whatever its key" "$STATUS$(field Idempotent-Replayed)" 200
 ok "the same template" cmp -s "$T/body" "$T/first"
-send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
-problem "another subject's sample" 409 sample_mismatch
+gives "409 sample_mismatch" "another subject's sample" send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
 is "and nothing of the comparison" "$(get 'keys | join(" ")')" \
     "code detail request_id status title type"
 awk '$2 < 0' "$T/a2.xyz" >"$T/part.xyz"
@@ -97,16 +95,14 @@ done
 jq -c '{points: [.points[] | map(. / 1000)], units: "m"}' "$T/a2.json" >"$T/m.json"
 
 # ---- several templates: the lowest disparity decides
-send POST '/v1/subjects/alice/templates?force=true' "$PLY" "$T/b.ply"
-is "force" "$STATUS" 201
+gives 201 "force" send POST '/v1/subjects/alice/templates?force=true' "$PLY" "$T/b.ply"
 other=$(get .template_id)
 scan 2 1 "$T/b1.ply"
 send POST /v1/subjects/alice/verify "$PLY" "$T/b1.ply"
 is "the best of two" "$(get '[.decision, .templates_compared, .template_id] | @tsv')" \
     "$(printf 'match\t2\t%s' "$other")"
 scan 2 5 "$T/b5.ply" --pose 5 --shift 5
-send POST /v1/subjects/alice/templates "$PLY" "$T/b5.ply"
-is "a sample that matches the second template only" "$STATUS" 201
+gives 201 "a sample that matches the second template only" send POST /v1/subjects/alice/templates "$PLY" "$T/b5.ply"
 req DELETE "/v1/templates/$(get .template_id)"
 send POST '/v1/subjects/alice/templates?force=true' 'Content-Type: text/plain' "$T/part.xyz"
 problem "a part of the face, by force" 422 not_a_face
@@ -121,14 +117,12 @@ is "a cloud with itself" "$(get '.disparity_mm < 0.01 and .score > .threshold')"
 # ---- read and delete
 req GET "/v1/templates/$id"
 is "the description again, without the scan" "$(jq -c . "$T/body")" "$(jq -c 'del(.scan)' "$T/first")"
-req HEAD "/v1/templates/$id"
-is "HEAD" "$STATUS" 200
+gives 200 "HEAD" req HEAD "/v1/templates/$id"
 req GET /v1/subjects/alice
 is "subject" "$(get '[.subject, (.templates | length), .templates[0].template_id] | @tsv')" \
     "$(printf 'alice\t2\t%s' "$id")"
 for s in 'b@x' c:1 d_2 'e.3' f-4; do
-    send POST "/v1/subjects/$s/templates" "$PLY" "$T/a.ply"
-    is "enroll $s" "$STATUS" 201
+    gives 201 "enroll $s" send POST "/v1/subjects/$s/templates" "$PLY" "$T/a.ply"
 done
 req GET /v1/subjects
 cursor='' seen=''
@@ -142,10 +136,8 @@ req GET /v1/subjects/b%40x
 is "an encoded id" "$(get .subject)" b@x
 req DELETE "/v1/templates/$other"
 is "delete a template" "$STATUS $(wc -c <"$T/body" | tr -d ' ')" "204 0"
-req DELETE "/v1/templates/$other"
-problem "delete it again" 404 not_found
-send POST "/v1/templates/$other/verify" "$PLY" "$T/b.ply"
-problem "verify against it" 404 not_found
+gives "404 not_found" "delete it again" req DELETE "/v1/templates/$other"
+gives "404 not_found" "verify against it" send POST "/v1/templates/$other/verify" "$PLY" "$T/b.ply"
 send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
 is "it does not match any more" "$(get '[.decision, .templates_compared] | @tsv')" \
     "$(printf 'no_match\t1')"
@@ -154,10 +146,8 @@ send POST /v1/subjects/f-4/verify "$PLY" "$T/a2.ply"
 is "f-4 matches" "$STATUS $(get .decision)" "200 match"
 f4=$(get .template_id)
 ctl template delete "$f4" --yes
-send POST /v1/subjects/f-4/verify "$PLY" "$T/a2.ply"
-problem "deleted by another process" 404 not_found
-send POST "/v1/templates/$f4/verify" "$PLY" "$T/a2.ply"
-problem "by template too" 404 not_found
+gives "404 not_found" "deleted by another process" send POST /v1/subjects/f-4/verify "$PLY" "$T/a2.ply"
+gives "404 not_found" "by template too" send POST "/v1/templates/$f4/verify" "$PLY" "$T/a2.ply"
 req DELETE /v1/subjects/alice
 is "erase" "$STATUS $(get '[.subject, .templates_removed] | @tsv')" "$(printf '200 alice\t1')"
 is "erased_at" "$(get '.erased_at | test("^20.*Z$")')" true
@@ -166,12 +156,9 @@ is "its digest" "$(get .digest)" \
     "$(get '"surface erasure 2", .subject, .subject_uid, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"
 is "its entry in the audit log" "$(sql "SELECT kind, at, lower(hex(hash)) FROM $ENTRIES
     WHERE log = 0 AND seq = $(get .audit.seq)")" "$(get '"delete_subject|\(.erased_at)|\(.audit.hash)"')"
-req DELETE /v1/subjects/alice
-problem "erase again" 404 not_found
-send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
-problem "verify an erased subject" 404 not_found
-send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
-problem "or its template" 404 not_found
+gives "404 not_found" "erase again" req DELETE /v1/subjects/alice
+gives "404 not_found" "verify an erased subject" send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
+gives "404 not_found" "or its template" send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
 
 # ---- targets in other forms: what a proxy sends, and the whole server
 for target in http://127.0.0.1/healthz HTTP://example.org:8080/healthz https://example.org/healthz?; do
@@ -180,11 +167,9 @@ for target in http://127.0.0.1/healthz HTTP://example.org:8080/healthz https://e
 done
 req GET / --request-target http://127.0.0.1
 is "the root is the console" "$STATUS $(field Location)" "303 console"
-req GET / --request-target 'http://127.0.0.1?x=/healthz'
-problem "a query is no path" 400 invalid_parameter
+gives "400 invalid_parameter" "a query is no path" req GET / --request-target 'http://127.0.0.1?x=/healthz'
 for target in http:/healthz ftp://127.0.0.1/healthz '*'; do
-    req GET / --request-target "$target"
-    problem "$target" 404 no_such_route
+    gives "404 no_such_route" "$target" req GET / --request-target "$target"
 done
 send POST / "$PLY" "$T/a2.ply" --request-target "http://127.0.0.1/v1/subjects/alice/verify?detail=none"
 problem "with its query" 400 invalid_parameter
@@ -222,8 +207,7 @@ for match in "$tag" "W/$tag" "\"other\", $packed" '*'; do
     req GET /openapi.json -H "If-None-Match: $match"
     is "$match" "$STATUS $(field ETag) $(wc -c <"$T/body")" "304 $tag 0"
 done
-req GET /openapi.json -H 'If-None-Match: "other"'
-is "another tag" "$STATUS" 200
+gives 200 "another tag" req GET /openapi.json -H 'If-None-Match: "other"'
 req HEAD /openapi.json -H 'Accept-Encoding: gzip'
 is "HEAD" "$STATUS $(field ETag)" "200 $packed"
 req GET /healthz

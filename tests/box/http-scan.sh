@@ -167,8 +167,7 @@ req POST '/v1/check?units=mm' -F "file=@$T/a.ply"
 is "checked by a form" "$STATUS $(get .usable)" '200 true'
 head -c 2100000 /dev/zero >"$T/zero"
 gzip -c "$T/zero" >"$T/zero.gz"
-req POST /v1/subjects/alice/verify -F "file=@$T/zero"
-problem "a large file" 413 body_too_large
+gives "413 body_too_large" "a large file" req POST /v1/subjects/alice/verify -F "file=@$T/zero"
 for part in '' ';headers=Content-Encoding: gzip'; do
     req POST /v1/subjects/alice/verify -F "file=@$T/zero.gz$part"
     problem "a file that is large when unpacked$part" 413 body_too_large

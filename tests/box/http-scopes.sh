@@ -177,8 +177,7 @@ while read -r verb route needs; do
     ok "OPTIONS $route: $STATUS $(field Allow)" matches "$STATUS $(field Allow)" "^204 (.*, )?$verb, (.*, )?OPTIONS\$"
     AUTH=$all
     for wrong in PUT TRACE BREW; do
-        req "$wrong" "$real"
-        problem "$wrong $route" 405 method_not_allowed
+        gives "405 method_not_allowed" "$wrong $route" req "$wrong" "$real"
         ok "$wrong $route, Allow: $(field Allow)" matches "$(field Allow)" "(^|, )$verb(,|\$)"
     done
     case $verb.$route in
@@ -187,8 +186,7 @@ while read -r verb route needs; do
         problem "$verb $route, a body" 400 malformed 'takes no body'
         ;;
     *)
-        req "$verb" "$real" -H "$JSON" -H 'Content-Length:'
-        problem "$verb $route without a length" 411 length_required
+        gives "411 length_required" "$verb $route without a length" req "$verb" "$real" -H "$JSON" -H 'Content-Length:'
         req "$verb" "$real" -H 'Content-Type: image/gif' -d x
         problem "$verb $route, a picture" 415 unsupported_media_type
         req "$verb" "$real" -H "$JSON" -H 'Expect:' -H 'Content-Length: 99999999' -d '{}' -m 5
@@ -210,8 +208,7 @@ is "alice was not held" "$(sql 'SELECT count(*) FROM subjects')" 1
 # ---- a stranger
 AUTH=
 for route in /healthz /readyz /version /metrics; do
-    req GET "$route"
-    is "$route" "$STATUS" 200
+    gives 200 "$route" req GET "$route"
     # the engine, the compiler, files, what was given above, how much is enrolled
     told=$(grep -Eo 'model/|measure/|GCC|Debian|/tmp|faces.db|threshold|calibration|plaintext|_limit|[^0-9.](77|911)$|7654321|13631488|_max_fds|_templates |_subjects ' "$T/body" | paste -sd ' ')
     is "$route tells nothing of the configuration" "$told" ""
@@ -224,7 +221,6 @@ is "members of /readyz and /version" "$(curl -sS "$URL/readyz" "$URL/version" | 
     "status version"
 req GET /healthz -H 'Expect:' -H 'Content-Length: 99999999' -d x -m 5
 ok "nor does an error" sh -c "! grep -q 7654321 '$T/body'"
-req GET /healthz -H 'Content-Length: 99999999999999999999999' -m 5
-is "a length that is no number" "$STATUS" 413
+gives 413 "a length that is no number" req GET /healthz -H 'Content-Length: 99999999999999999999999' -m 5
 ok "nor does that error" sh -c "! grep -q 7654321 '$T/body'"
 finish

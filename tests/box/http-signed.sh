@@ -78,13 +78,10 @@ start_daemon --require-signed-captures
 send POST "$ENROLL" "$PLY" "$T/a0.ply"
 problem "enrolled unsigned" 403 capture_required Capture-Signature
 for path in "$VERIFY" /v1/templates/00000000000000000000000000000000/verify; do
-    send POST "$path" "$PLY" "$T/a0.ply"
-    problem "$path unsigned" 403 capture_required
+    gives "403 capture_required" "$path unsigned" send POST "$path" "$PLY" "$T/a0.ply"
 done
-send POST /v1/compare "$JSON" "$T/few.json"
-problem "compared unsigned" 403 capture_required
-send POST /v1/check "$PLY" "$T/a0.ply"
-is "a check needs none" "$STATUS" 200
+gives "403 capture_required" "compared unsigned" send POST /v1/compare "$JSON" "$T/few.json"
+gives 200 "a check needs none" send POST /v1/check "$PLY" "$T/a0.ply"
 client door-1 door-1 "$ENROLL" "$T/a0.ply" LIVENESS=pass
 is "enrolled" "$(get .subject)" alice
 is "in the audit log" "$(outcome enroll)" "created capture=pass:door-1"
@@ -167,12 +164,9 @@ refused "the old key under a name that is another's now" capture_invalid 'has no
 # ---- a client that has lost the response needs another capture
 challenge
 header="Capture-Signature: $(sign door-2 door-2 /v1/subjects/carol/templates "$T/b.ply" "$NONCE" pass)"
-send POST /v1/subjects/carol/templates "$PLY" "$T/b.ply"
-problem "unsigned" 403 capture_required
-send POST /v1/subjects/carol/templates "$PLY" "$T/b.ply" -H "$header"
-is "signed" "$STATUS" 201
-send POST /v1/subjects/carol/templates "$PLY" "$T/b.ply" -H "$header"
-problem "once more" 403 capture_replayed
+gives "403 capture_required" "unsigned" send POST /v1/subjects/carol/templates "$PLY" "$T/b.ply"
+gives 201 "signed" send POST /v1/subjects/carol/templates "$PLY" "$T/b.ply" -H "$header"
+gives "403 capture_replayed" "once more" send POST /v1/subjects/carol/templates "$PLY" "$T/b.ply" -H "$header"
 
 # ---- counted
 is "taken" "$(metric 'surfaced_captures_total{outcome="taken"}')" 6
@@ -232,8 +226,7 @@ for wanted in 200 403; do
     start_daemon
 done
 AUTH=$(new_token reader --scope read)
-req POST /v1/challenge
-problem "a nonce takes a scope" 403 insufficient_scope
+gives "403 insufficient_scope" "a nonce takes a scope" req POST /v1/challenge
 stop_daemon
 
 # ---- time

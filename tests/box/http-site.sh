@@ -45,8 +45,7 @@ for body in "$JSON" 'Content-Type: text/plain'; do
 done
 req GET /v1/token
 is "what may be done" "$(get '.scopes | join(",")')" "$(echo "$ALL" | sed 's/tokens,//')"
-req GET /v1/tokens
-problem "nor a list of tokens" 403 insufficient_scope
+gives "403 insufficient_scope" "nor a list of tokens" req GET /v1/tokens
 req GET /healthz -H 'Host: attacker.example' -H 'Sec-Fetch-Site: cross-site'
 is "what needs no token is for everybody" "$STATUS" 200
 is "nothing of it was done" "$(sql 'SELECT count(*) FROM subjects') $(sql 'SELECT count(*) FROM templates') $(sql 'SELECT count(*) FROM tokens')" "1 1 0"

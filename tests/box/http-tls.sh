@@ -78,22 +78,18 @@ scan 1 0 "$T/a.ply"
 scan 1 1 "$T/p.ply" --pose 8 --shift 10
 # shellcheck disable=SC2086 # options
 {
-    send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply" $ca
-    is "enrolled" "$STATUS" 201
+    gives 201 "enrolled" send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply" $ca
     send POST /v1/subjects/alice/verify "$PLY" "$T/p.ply" $ca
     is "verified" "$STATUS $(get .decision)" "200 match"
-    req GET /healthz
-    is "a CA that the client does not trust: no response" "$STATUS" 000
+    gives 000 "a CA that the client does not trust: no response" req GET /healthz
     head -c 1500000 /dev/zero >"$T/big"
-    send POST /v1/subjects/alice/verify "$BYTES" "$T/big" $ca
-    problem "too large, with a length" 413 body_too_large
+    gives "413 body_too_large" "too large, with a length" send POST /v1/subjects/alice/verify "$BYTES" "$T/big" $ca
     send POST /v1/subjects/alice/verify "$BYTES" "$T/big" $ca -H 'Transfer-Encoding: chunked' -H 'Expect:'
     problem "too large, in chunks" 413 body_too_large
     rm -f "$T/body"
     curl -sS -m 60 -o "$T/body" "http://127.0.0.1:$port/healthz" 2>"$T/curl"
     ok "plain HTTP gets no response" test ! -s "$T/body"
-    req GET /healthz $ca
-    is "alive after it" "$STATUS" 200
+    gives 200 "alive after it" req GET /healthz $ca
 }
 
 # ---- versions and ciphers
@@ -169,18 +165,12 @@ stop_daemon
 {
     start_daemon --no-auth $tls --tls-client-ca "$T/ca.pem"
     port=${URL##*:}
-    req GET /healthz $ca
-    is "no certificate" "$STATUS" 000
-    req GET /healthz $ca --cert "$T/impostor.pem" --key "$T/impostor.key"
-    is "a certificate of another CA" "$STATUS" 000
-    req GET /healthz $ca --cert "$T/one.pem" --key "$T/one.key"
-    is "a server's certificate" "$STATUS" 000
-    req GET /healthz $ca --tls-max 1.2
-    is "no certificate, TLS 1.2" "$STATUS" 000
-    req GET /healthz $ca --cert "$T/client.pem" --key "$T/client.key"
-    is "a client's certificate" "$STATUS" 200
-    req GET /healthz $ca --cert "$T/client.pem" --key "$T/client.key" --tls-max 1.2
-    is "the same with TLS 1.2" "$STATUS" 200
+    gives 000 "no certificate" req GET /healthz $ca
+    gives 000 "a certificate of another CA" req GET /healthz $ca --cert "$T/impostor.pem" --key "$T/impostor.key"
+    gives 000 "a server's certificate" req GET /healthz $ca --cert "$T/one.pem" --key "$T/one.key"
+    gives 000 "no certificate, TLS 1.2" req GET /healthz $ca --tls-max 1.2
+    gives 200 "a client's certificate" req GET /healthz $ca --cert "$T/client.pem" --key "$T/client.key"
+    gives 200 "the same with TLS 1.2" req GET /healthz $ca --cert "$T/client.pem" --key "$T/client.key" --tls-max 1.2
     ok "the log has the reason" logged 'client certificates refused" certificates=1 '
     is "once a minute" "$(grep -c 'certificates refused' "$LOG")" 1
     stop_daemon
@@ -191,13 +181,11 @@ stop_daemon
 {
     LISTEN=0.0.0.0:0 start_daemon --plaintext
     URL=http://127.0.0.1:${URL##*:}
-    req GET /v1/subjects/alice
-    is "--plaintext: tokens are required" "$STATUS" 401
+    gives 401 "--plaintext: tokens are required" req GET /v1/subjects/alice
     stop_daemon
     LISTEN=0.0.0.0:0 start_daemon $tls
     URL=https://127.0.0.1:${URL##*:}
-    req GET /v1/subjects/alice $ca
-    is "TLS: tokens are required" "$STATUS" 401
+    gives 401 "TLS: tokens are required" req GET /v1/subjects/alice $ca
     stop_daemon
 }
 
@@ -207,8 +195,7 @@ LISTEN=unix:$s start_daemon --no-auth
 is "its name" "$URL" "unix:$s"
 is "its mode" "$(stat -c %a "$s")" 660
 URL=http://localhost
-req GET /v1/subjects/alice --unix-socket "$s"
-is "a request" "$STATUS" 200
+gives 200 "a request" req GET /v1/subjects/alice --unix-socket "$s"
 ok "the log has whence" grep -q 'route=/v1/subjects/{subject} status=200 .* client=unix' "$LOG"
 refuse "another process listens there" 1 'cannot listen on unix:.*in use' --listen "unix:$s"
 kill -9 "$PID"
@@ -216,8 +203,7 @@ wait "$PID" 2>/dev/null
 ok "a killed daemon leaves its socket" test -S "$s"
 LISTEN=unix:$s start_daemon --no-auth
 URL=http://localhost
-req GET /healthz --unix-socket "$s"
-is "it is replaced" "$STATUS" 200
+gives 200 "it is replaced" req GET /healthz --unix-socket "$s"
 stop_daemon
 ok "it is removed at the end" test ! -e "$s"
 echo mine >"$s"
@@ -227,7 +213,6 @@ refuse "too long a path" 64 'not an address' --listen "unix:/$(printf '%0110d' 0
 
 # ---- a socket that was passed
 UNDER="python3 tests/box/manager.py $T/notes --socket" start_daemon --no-auth
-req GET /healthz
-is "a socket that was passed ($URL)" "$STATUS" 200
+gives 200 "a socket that was passed ($URL)" req GET /healthz
 stop_daemon
 finish

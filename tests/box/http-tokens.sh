@@ -7,39 +7,30 @@ scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a1.ply"
 # shellcheck disable=SC2119 # without options
 start_daemon
-req GET /v1/subjects
-problem "no token" 401 unauthorized
+gives "401 unauthorized" "no token" req GET /v1/subjects
 is "WWW-Authenticate" "$(field WWW-Authenticate)" 'Bearer realm="surfaced"'
 for header in 'Basic YTpi' 'Bearer' 'Bearer ' "Bearer $(printf '%0500d' 1)" 'Bearer x y' \
     'Bearer 0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef'; do
-    req GET /v1/subjects -H "Authorization: $header"
-    problem "Authorization: $header" 401 unauthorized
+    gives "401 unauthorized" "Authorization: $header" req GET /v1/subjects -H "Authorization: $header"
 done
 is "WWW-Authenticate of a bad token" "$(field WWW-Authenticate)" \
     'Bearer realm="surfaced", error="invalid_token"'
 # The token is checked before the id, the type and the size of the body.
-send POST /v1/subjects/a%20b/templates "$PLY" "$T/a.ply"
-problem "whatever the id" 401 unauthorized
-send POST /v1/subjects/alice/templates 'Content-Type: x/y' "$T/a.ply"
-problem "whatever the type" 401 unauthorized
+gives "401 unauthorized" "whatever the id" send POST /v1/subjects/a%20b/templates "$PLY" "$T/a.ply"
+gives "401 unauthorized" "whatever the type" send POST /v1/subjects/alice/templates 'Content-Type: x/y' "$T/a.ply"
 head -c 70000000 /dev/zero >"$T/big"
-send POST /v1/subjects/alice/templates "$BYTES" "$T/big"
-problem "whatever the size" 401 unauthorized
+gives "401 unauthorized" "whatever the size" send POST /v1/subjects/alice/templates "$BYTES" "$T/big"
 rm "$T/big"
-req GET /v1/nothing
-problem "no such route" 404 no_such_route
+gives "404 no_such_route" "no such route" req GET /v1/nothing
 
 ctl token create tests --scope "$ALL"
 is "token create" $? 0
 AUTH=$(jq -r .secret "$T/ctl")
 token_id=$(jq -r '.id // .token_id' "$T/ctl")
-send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
-is "enroll with a token" "$STATUS" 201
-send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
-is "verify with it" "$STATUS" 200
+gives 201 "enroll with a token" send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+gives 200 "verify with it" send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
 mine=$AUTH AUTH= # a request has one such header
-req GET /v1/subjects -H "authorization: bearer $mine"
-is "in lower case" "$STATUS" 200
+gives 200 "in lower case" req GET /v1/subjects -H "authorization: bearer $mine"
 AUTH=$mine
 req GET /v1/subjects -H "authorization: bearer $mine"
 problem "two tokens" 400 malformed 'more than one Authorization'
@@ -52,52 +43,40 @@ ok "its last use is recorded" test -n "$(sql 'SELECT used FROM tokens')"
 all=$AUTH
 ctl token rotate "$token_id" --grace 1h
 is "token rotate" "$? $(jq -r '.id' "$T/ctl")" "0 $token_id"
-req GET /v1/subjects
-is "the old secret, within the grace period" "$STATUS" 200
+gives 200 "the old secret, within the grace period" req GET /v1/subjects
 AUTH=$(jq -r .secret "$T/ctl")
-req GET /v1/subjects
-is "the new secret" "$STATUS" 200
+gives 200 "the new secret" req GET /v1/subjects
 ctl token rotate "$token_id"
-req GET /v1/subjects
-problem "a rotated secret, at once" 401 unauthorized
+gives "401 unauthorized" "a rotated secret, at once" req GET /v1/subjects
 AUTH=$all
-req GET /v1/subjects
-problem "the secret before it" 401 unauthorized
+gives "401 unauthorized" "the secret before it" req GET /v1/subjects
 AUTH=$(jq -r .secret "$T/ctl")
 all=$AUTH
-req GET /v1/subjects
-is "the newest secret" "$STATUS" 200
+gives 200 "the newest secret" req GET /v1/subjects
 
 # ---- scopes (http-scopes.sh)
 AUTH=$(new_token narrow --scope enroll,verify)
 # The scope is checked before the id, the type and the size.
-send POST /v1/subjects/a%20b/templates 'Content-Type: x/y' "$T/a.ply"
-is "a good scope, a malformed id" "$STATUS" 400
-req GET /v1/subjects/a%20b
-problem "a wrong scope, a malformed id" 403 insufficient_scope
+gives 400 "a good scope, a malformed id" send POST /v1/subjects/a%20b/templates 'Content-Type: x/y' "$T/a.ply"
+gives "403 insufficient_scope" "a wrong scope, a malformed id" req GET /v1/subjects/a%20b
 
 # ---- expired
 ctl token create --scope read --expires 1h short
 AUTH=$(jq -r .secret "$T/ctl")
-req GET /v1/subjects
-is "before it expires" "$STATUS" 200
+gives 200 "before it expires" req GET /v1/subjects
 sql "UPDATE tokens SET expires = NULL WHERE name = 'short'"
-req GET /v1/subjects
-problem "an expiry that was changed without the key" 500 internal
+gives "500 internal" "an expiry that was changed without the key" req GET /v1/subjects
 "$BUILD/forge" "$DB" "$KEY" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'short'"
-req GET /v1/subjects
-problem "expired, at once" 401 unauthorized
+gives "401 unauthorized" "expired, at once" req GET /v1/subjects
 ctl token rotate "$(jq -r .id "$T/ctl")" --expires 1h
 AUTH=$(jq -r .secret "$T/ctl")
-req GET /v1/subjects
-is "with a new expiry" "$STATUS" 200
+gives 200 "with a new expiry" req GET /v1/subjects
 
 # ---- revoked
 AUTH=$all
 ctl token revoke "$token_id"
 is "token revoke" $? 0
-req GET /v1/subjects
-problem "revoked, at once" 401 unauthorized
+gives "401 unauthorized" "revoked, at once" req GET /v1/subjects
 ctl token rotate "$token_id"
 is "a revoked token cannot be rotated" $? 77
 ok "the token is not in the log" sh -c "! grep -q '$AUTH' '$LOG'"

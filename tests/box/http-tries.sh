@@ -90,8 +90,7 @@ stop_daemon
 PID=$first URL=$first_url
 decides "a match" match "$thief" bob "$T/a1.ply"
 decides "it makes room for another subject" no_match "$thief" frank "$T/b.ply"
-verify "$thief" erin "$T/a1.ply"
-problem "for one" 429 too_many_subjects
+gives "429 too_many_subjects" "for one" verify "$thief" erin "$T/a1.ply"
 
 # ---- an operator ends it
 ctl attempts list
@@ -100,12 +99,10 @@ AUTH=$door
 req DELETE "/v1/tokens/$thief_id/attempts"
 problem "by nobody else" 403 insufficient_scope manage
 AUTH=$(new_token guard --scope manage)
-req DELETE "/v1/tokens/$thief_id/attempts"
-is "the token's lock-out is ended" "$STATUS" 204
+gives 204 "the token's lock-out is ended" req DELETE "/v1/tokens/$thief_id/attempts"
 decides "it goes on" no_match "$thief" erin "$T/b.ply"
 for i in alice carol dave; do verify "$thief" "$i" "$T/b.ply"; done
-verify "$thief" frank "$T/a1.ply"
-problem "until the next" 429 too_many_subjects
+gives "429 too_many_subjects" "until the next" verify "$thief" frank "$T/a1.ply"
 ctl_exits 0 attempts reset --token "$thief_id"
 decides "by the command too" match "$thief" frank "$T/a1.ply"
 is "both are recorded" "$(sql "SELECT count(*) FROM $ENTRIES WHERE kind = 'reset_attempts'")" 2
@@ -128,17 +125,14 @@ sql "DELETE FROM attempts"
 before=$(events many_subjects) warned=$(metric 'surfaced_attempt_warnings_total{kind="many_subjects"}')
 both=$(new_token both --scope verify,enroll)
 AUTH=$both
-send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
-problem "enrolled in vain: alice" 409 sample_mismatch
+gives "409 sample_mismatch" "enrolled in vain: alice" send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
 is "one subject is not yet many" "$(events many_subjects)" "$before"
-send POST /v1/subjects/bob/templates "$PLY" "$T/b.ply"
-problem "bob" 409 sample_mismatch
+gives "409 sample_mismatch" "bob" send POST /v1/subjects/bob/templates "$PLY" "$T/b.ply"
 is "two of four are" "$(events many_subjects)" $((before + 1))
 is "as a metric" "$(metric 'surfaced_attempt_warnings_total{kind="many_subjects"}')" $((warned + 1))
 decides "verified in vain: carol" no_match "$both" carol "$T/b.ply"
 AUTH=$both
-send POST /v1/subjects/dave/templates "$PLY" "$T/b.ply"
-problem "enrolled in vain: dave" 409 sample_mismatch
+gives "409 sample_mismatch" "enrolled in vain: dave" send POST /v1/subjects/dave/templates "$PLY" "$T/b.ply"
 send POST /v1/subjects/erin/templates "$PLY" "$T/b.ply"
 locked_out "an enrolment of the fifth subject" too_many_subjects 860 900
 locked_out "a verification of it" too_many_subjects 860 900 "$both" erin "$T/a1.ply"

@@ -22,10 +22,8 @@ unique() {
     send POST "/v1/subjects/$2/templates?unique=true${4-}" "$PLY" "$3"
 }
 
-unique "$narrow" alice "$T/a.ply"
-is "the first" "$STATUS" 201
-unique "$narrow" bob "$T/b.ply"
-is "another person" "$STATUS" 201
+gives 201 "the first" unique "$narrow" alice "$T/a.ply"
+gives 201 "another person" unique "$narrow" bob "$T/b.ply"
 for token in "$narrow" "$reader"; do
     unique "$token" twin "$T/again.ply"
     problem "the first once more" 409 already_enrolled 'another subject$'
@@ -35,11 +33,9 @@ done
 unique "$wide" twin "$T/again.ply"
 problem "to one that may identify and read" 409 already_enrolled 'another subject: alice$'
 is "nothing was stored" "$(sql 'SELECT count(*) FROM templates')" 2
-unique "$wide" alice "$T/again.ply"
-is "a further sample of the subject itself" "$STATUS" 201
+gives 201 "a further sample of the subject itself" unique "$wide" alice "$T/again.ply"
 AUTH=$wide
-send POST "/v1/subjects/twin/templates" "$PLY" "$T/again.ply"
-is "without unique nobody is looked for" "$STATUS" 201
+gives 201 "without unique nobody is looked for" send POST "/v1/subjects/twin/templates" "$PLY" "$T/again.ply"
 unique "$wide" third "$T/again.ply" '&fuse=maybe'
 problem "a malformed parameter" 400 invalid_parameter
 is "searches and their outcomes are in the audit log" "$(sql "SELECT outcome FROM $ENTRIES WHERE kind = 'identify'
@@ -47,8 +43,7 @@ is "searches and their outcomes are in the audit log" "$(sql "SELECT outcome FRO
     '3 match of 2, enroll;1 no_match of 0, enroll;1 no_match of 1, enroll'
 
 # ---- of other groups nothing is learned
-unique "$east" hidden "$T/a.ply"
-is "for a token of a group the others are not there" "$STATUS" 201
+gives 201 "for a token of a group the others are not there" unique "$east" hidden "$T/a.ply"
 unique "$east" hidden2 "$T/again.ply"
 problem "those of its group are" 409 already_enrolled 'another subject: hidden$'
 
@@ -68,16 +63,12 @@ stop_daemon
 
 # ---- the allowance of searches without a match is that of identifications
 start_daemon --identify-failures 2
-unique "$narrow" new8 "$T/s8.ply"
-is "one search" "$STATUS" 201
-unique "$narrow" new9 "$T/s9.ply"
-is "another one" "$STATUS" 201
-unique "$narrow" new3 "$T/c.ply"
-problem "a third one" 429 too_many_searches
+gives 201 "one search" unique "$narrow" new8 "$T/s8.ply"
+gives 201 "another one" unique "$narrow" new9 "$T/s9.ply"
+gives "429 too_many_searches" "a third one" unique "$narrow" new3 "$T/c.ply"
 stop_daemon
 start_daemon --gallery-memory 0
-unique "$narrow" new3 "$T/c.ply"
-problem "nobody can be looked for" 503 gallery_unavailable
+gives "503 gallery_unavailable" "nobody can be looked for" unique "$narrow" new3 "$T/c.ply"
 stop_daemon
 
 # ---- surfacectl

@@ -37,8 +37,7 @@ for way in $ways; do
     start_daemon
     echo "$PID" >"$T/$way.pid"
     echo "$URL" >"$T/$way.url"
-    req GET /v1/subjects
-    is "$way: before" "$STATUS" 200
+    gives 200 "$way: before" req GET /v1/subjects
 done
 # ask WAY: a verification of alice by its daemon.
 ask() {
@@ -60,8 +59,7 @@ for way in $ways; do
         continue
         ;;
     esac
-    ask "$way"
-    is "$way: at once it cannot know" "$STATUS" 200
+    gives 200 "$way: at once it cannot know" ask "$way"
 done
 # all_refuse: does each of them refuse a verification?
 all_refuse() {
@@ -81,8 +79,7 @@ for way in $ways; do
     ok "$way: found within two periods" [ -e "$T/$way.found" ]
     if [ "$way" = unread ]; then
         for path in subjects subjects/alice; do
-            req GET "/v1/$path"
-            problem "$way: GET $path" 500 internal
+            gives "500 internal" "$way: GET $path" req GET "/v1/$path"
         done
         contains "$way: the log says why" "$T/unread.log" 'level=warn msg="the rows could not be verified" .*devices'
         is "$way: and nothing of a difference" "$(grep -c 'is refused until' "$T/unread.log")" 0
@@ -90,19 +87,14 @@ for way in $ways; do
         ask "$way"
     fi
     for path in subjects subjects/alice templates/00000000000000000000000000000000; do
-        req GET "/v1/$path"
-        problem "$way: GET $path" 503 database_refused
+        gives "503 database_refused" "$way: GET $path" req GET "/v1/$path"
     done
     for path in subjects/alice/verify subjects/erin/templates check; do
-        send POST "/v1/$path" "$PLY" "$T/p1.ply"
-        problem "$way: POST $path" 503 database_refused
+        gives "503 database_refused" "$way: POST $path" send POST "/v1/$path" "$PLY" "$T/p1.ply"
     done
-    req DELETE /v1/subjects/alice
-    problem "$way: DELETE" 503 database_refused
-    req GET /readyz
-    problem "$way: not ready" 503 not_ready
-    req GET /healthz
-    is "$way: alive" "$STATUS" 200
+    gives "503 database_refused" "$way: DELETE" req DELETE /v1/subjects/alice
+    gives "503 not_ready" "$way: not ready" req GET /readyz
+    gives 200 "$way: alive" req GET /healthz
     is "$way: one line in the log" "$(grep -c 'level=error msg="the database is refused until' "$T/$way.log")" 1
     kill "$PID"
     wait "$PID"

@@ -310,6 +310,18 @@ send() {
     req "$method" "$path" -H "$type" --data-binary "@$file" "$@"
 }
 
+# gives "STATUS[ CODE]" TITLE COMMAND...: the COMMAND, req or send, gets a response of this status, or this problem
+# document.
+gives() {
+    g_wanted=$1 g_title=$2
+    shift 2
+    "$@"
+    case $g_wanted in
+    *' '*) problem "$g_title" "${g_wanted% *}" "${g_wanted#* }" ;;
+    *) is "$g_title" "$STATUS" "$g_wanted" ;;
+    esac
+}
+
 # get FILTER: applies jq's FILTER to the JSON body of the last response.
 get() {
     jq -r "$1" "$T/body" 2>/dev/null

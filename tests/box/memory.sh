@@ -54,8 +54,7 @@ erased() {
         echo "SKIP $0: not permitted to read the daemon's memory"
         finish
     fi
-    send POST "/v1/subjects/alice/templates?axes=scanner" "$PLY" "$T/a.ply"
-    is "$how: enrolled" "$STATUS" 201
+    gives 201 "$how: enrolled" send POST "/v1/subjects/alice/templates?axes=scanner" "$PLY" "$T/a.ply"
     for i in 1 2 3 4; do # both workers
         send POST "/v1/subjects/alice/verify?axes=scanner" "$PLY" "$T/b.ply"
         is "$how: verified ($i)" "$STATUS $(get .decision)" "200 match"
@@ -64,17 +63,14 @@ erased() {
     is "$how: as JSON" "$STATUS $(get .decision)" "200 match"
     send POST "/v1/subjects/alice/verify?axes=scanner&detail=heatmap" "$PLY" "$T/b.ply"
     is "$how: with a heat map" "$STATUS" 200
-    send POST /v1/check "$PLY" "$T/b.gz" -H 'Content-Encoding: gzip'
-    is "$how: checked" "$STATUS" 200
+    gives 200 "$how: checked" send POST /v1/check "$PLY" "$T/b.gz" -H 'Content-Encoding: gzip'
     gone "$how: of the probes nothing is, after a second" "$T/b.ply"
     gone "$how: nor of the template" "$T/a.ply"
-    req DELETE /v1/subjects/alice
-    is "$how: erased over HTTP" "$STATUS" 200
+    gives 200 "$how: erased over HTTP" req DELETE /v1/subjects/alice
     gone "$how: erased over HTTP" "$T/a.ply" "$T/b.ply"
 
     for by in subject template; do
-        send POST "/v1/subjects/carol/templates?axes=scanner" "$PLY" "$T/c.ply"
-        is "$how: enrolled" "$STATUS" 201
+        gives 201 "$how: enrolled" send POST "/v1/subjects/carol/templates?axes=scanner" "$PLY" "$T/c.ply"
         id=$(get .template_id)
         send POST "/v1/subjects/carol/verify?axes=scanner" "$PLY" "$T/c.ply"
         case $by in

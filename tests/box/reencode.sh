@@ -67,8 +67,7 @@ start_daemon --no-auth
 ok "the daemon says so" grep -q 'level=warn msg="templates were made by another engine.* templates=3' "$LOG"
 verdicts >"$T/before"
 ok "as if enrolled now, to the last digit" cmp "$T/wanted" "$T/before"
-send POST /v1/subjects/dan/verify "$PLY" "$T/alice-later.ply"
-is "never compared where that cannot be" "$STATUS" 500
+gives 500 "never compared where that cannot be" send POST /v1/subjects/dan/verify "$PLY" "$T/alice-later.ply"
 ok "and the log says why" grep -q 'template skipped.*cannot re-encode it' "$LOG"
 
 # ---- for good, beside the daemon

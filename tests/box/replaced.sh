@@ -113,8 +113,7 @@ for what in evil keyed phrase given older cut; do
     write "$from" "$sql"
     refused "$what"
     write "$T/whole.db" "$(as_in "$T/whole.db"); $(as_in "$T/whole.db" root)"
-    req GET /v1/subjects/alice
-    problem "$what: put right, until a restart" 503 database_refused
+    gives "503 database_refused" "$what: put right, until a restart" req GET /v1/subjects/alice
     back
     start_daemon --no-auth
     req GET /v1/subjects/alice
@@ -131,10 +130,8 @@ for what in moved removed replaced; do
     removed) rm "$DB" ;;
     replaced) cp "$T/old.db" "$T/other" && mv "$T/other" "$DB" ;;
     esac
-    send POST /v1/subjects/erin/templates "$PLY" "$T/mallory.ply"
-    problem "$what: an enrolment" 503 database_refused
-    req DELETE /v1/subjects/alice
-    problem "$what: an erasure" 503 database_refused
+    gives "503 database_refused" "$what: an enrolment" send POST /v1/subjects/erin/templates "$PLY" "$T/mallory.ply"
+    gives "503 database_refused" "$what: an erasure" req DELETE /v1/subjects/alice
     back
 done
 

@@ -46,8 +46,7 @@ AUTH=$(new_token all --anchor "$T/anchor1")
 start_two
 
 # ---- what one has done is in force at the other
-to 1 POST /v1/subjects/alice/templates -H "$PLY" --data-binary "@$T/a0.ply"
-is "enrolled by one" "$STATUS" 201
+gives 201 "enrolled by one" to 1 POST /v1/subjects/alice/templates -H "$PLY" --data-binary "@$T/a0.ply"
 verify 2 alice a1
 is "verified by the other" "$STATUS $(get .decision)" "200 match"
 verify 1 alice a1
@@ -59,8 +58,7 @@ is "is no more verified" "$STATUS" 403
 to 1 PATCH /v1/subjects/alice -H 'Content-Type: application/merge-patch+json' -d '{"disabled": false}'
 verify 2 alice a2
 is "enabled again" "$STATUS $(get .decision)" "200 match"
-to 2 DELETE /v1/subjects/alice
-is "erased by the other" "$STATUS" 200
+gives 200 "erased by the other" to 2 DELETE /v1/subjects/alice
 verify 1 alice a1
 is "who is erased is gone, also from memory" "$STATUS" 404
 to 1 POST /v1/subjects/alice/templates -H "$PLY" --data-binary "@$T/a0.ply"
@@ -188,16 +186,14 @@ ok "each has an access log of its own" test "$(sql 'SELECT count(DISTINCT daemon
 ctl_exits 0 audit compare "$T/anchor1" "$T/anchor2"
 
 # ---- the server is put back to an older state
-to 1 POST /v1/subjects/carol/templates -H "$PLY" --data-binary "@$T/b.ply"
-is "enrolled before the backup" "$STATUS" 201
+gives 201 "enrolled before the backup" to 1 POST /v1/subjects/carol/templates -H "$PLY" --data-binary "@$T/b.ply"
 stop_daemon
 PID=$ONE LOG=$T/log1
 stop_daemon
 OLD=$DB-old
 psql -X -q -d postgres -c "CREATE DATABASE \"${OLD##*/}\" TEMPLATE \"${DB##*/}\""
 start_two
-to 2 DELETE /v1/subjects/carol
-is "erased after it" "$STATUS" 200
+gives 200 "erased after it" to 2 DELETE /v1/subjects/carol
 verify 1 alice a3
 is "and a verification, which the log has" "$STATUS" 200
 ctl_exits 0 token revoke "$(sql "SELECT id FROM tokens WHERE name = 'all'")"
@@ -228,8 +224,7 @@ start_two
 verify 1 alice a1
 is "the token is revoked again" "$STATUS" 401
 AUTH=$(new_token again --anchor "$T/anchor1")
-to 2 GET /v1/subjects/carol
-is "who was erased is gone" "$STATUS" 404
+gives 404 "who was erased is gone" to 2 GET /v1/subjects/carol
 verify 2 alice a1
 is "the others are there" "$STATUS $(get .decision)" "200 match"
 ctl_exits 0 audit verify

@@ -48,14 +48,12 @@ if ! sanitized; then
     UNDER="env LD_PRELOAD=$(faketime -f +0 printenv LD_PRELOAD)"
     export FAKETIME='+0 x20' # the rows are verified once a minute
     start_daemon
-    req GET /v1/subjects
-    is "before" "$STATUS" 200
+    gives 200 "before" req GET /v1/subjects
     : >"$T/armed"
     ok "the rows are verified again" soon test ! -e "$T/armed"
     sleep 1.2
     for i in 1 2 3; do
-        req GET /v1/subjects
-        is "request $i after it" "$STATUS" 200
+        gives 200 "request $i after it" req GET /v1/subjects
     done
 fi
 finish

@@ -72,12 +72,10 @@ ok "another one waits" soon grep -q 'waited for' "$T/out"
 kill $waits
 wait $waits
 is "until it is stopped" $? 1
-send POST /v1/subjects/alice/templates "$PLY" "$T/a0.ply"
-is "enroll" "$STATUS" 201
+gives 201 "enroll" send POST /v1/subjects/alice/templates "$PLY" "$T/a0.ply"
 id=$(get .template_id)
 verify() {
-    send POST "/v1/subjects/alice/verify" "$PLY" "$T/$1.ply"
-    is "verify $1" "$STATUS" 200
+    gives 200 "verify $1" send POST "/v1/subjects/alice/verify" "$PLY" "$T/$1.ply"
     get '[.decision, .score, .threshold, .disparity_mm, .overlap, .template_id] | tojson'
 }
 ok "a match" matches "$(verify a1)" '^\["match",.*'"$id"
@@ -99,25 +97,21 @@ for i in 2 3 4; do
     ok "a non-match" matches "$(verify b1)" '^\["no_match"'
     trips "a non-match" $((i == 2 ? 5 : 7))
     : >"$T/trips"
-    send POST "/v1/subjects/new$i/templates" "$PLY" "$T/new$i.ply"
-    is "enroll another" "$STATUS" 201
+    gives 201 "enroll another" send POST "/v1/subjects/new$i/templates" "$PLY" "$T/new$i.ply"
     trips "an enrolment" 7
     : >"$T/trips"
-    send POST /v1/subjects/alice/templates "$PLY" "$T/a$i.ply"
-    is "enroll again, after a comparison" "$STATUS" 201
+    gives 201 "enroll again, after a comparison" send POST /v1/subjects/alice/templates "$PLY" "$T/a$i.ply"
     trips "one that is compared" 8
 done
 for _ in 1 2; do
     ok "a non-match" matches "$(verify b1)" '^\["no_match"'
 done
 : >"$T/trips"
-send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
-problem "locked out" 429 too_many_attempts
+gives "429 too_many_attempts" "locked out" send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
 trips "a refusal, with its entry" 7
 ctl_exits 0 attempts reset alice
 for i in 2 3 4; do
-    req DELETE "/v1/subjects/new$i"
-    is "erase new$i" "$STATUS" 200
+    gives 200 "erase new$i" req DELETE "/v1/subjects/new$i"
 done
 
 ctl doctor
@@ -147,8 +141,7 @@ ctl accept-state --yes --anchor "$ANCHOR"
 ctl_failed "accept-state beside the daemon" 75 'another process has it open'
 ctl accept-state --dry-run --anchor "$ANCHOR"
 is "nor a look at it" "$CODE" 75
-req GET /readyz
-is "the daemon goes on" "$STATUS" 200
+gives 200 "the daemon goes on" req GET /readyz
 stop_daemon
 sql "UPDATE templates SET points = points - 1"
 ctl check-database
