@@ -11,6 +11,7 @@ cat >"$T/routes" <<'END'
 POST /v1/subjects/{subject}/verify 200 404 scan
 POST /v1/templates/{template_id}/verify 200 404 scan
 GET /v1/subjects/{subject} 200 404
+GET /v1/subjects/{subject}/templates/compare 200 404
 PATCH /v1/subjects/{subject} 200 404 change
 GET /v1/templates/{template_id} 200 404
 GET /v1/templates/{template_id}/surface 200 404
