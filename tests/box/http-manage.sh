@@ -269,6 +269,15 @@ is "weeks" "$(scans me '[.weeks[] | .from] | tojson')" "$(sql "SELECT json_group
 contains "as text" "$T/out" "^me .* scans in 12 weeks, .* mm, quality 0\.[0-9]*; noise doubled since $since"
 "$BUILD/surfacectl" --db "$DB" doctor >"$T/out"
 contains "doctor has it" "$T/out" "^warning *scans *me: noise doubled"
+# the daemon deletes the days that are shown no more
+kept=$(sql 'SELECT count(*) FROM scans')
+days_of 0.3 400 390
+sql "INSERT INTO days SELECT date('now', '-200 days'), decision, bins, daemon FROM days"
+stop_daemon
+start_daemon --attempts 2 --attempt-wait 50
+ok "old days go" soon sh -c "test \$(sqlite3 '$DB' 'SELECT count(*) FROM scans') = $kept"
+old_days() { sql "SELECT count(*) FROM days WHERE day < date('now', '-190 days')"; }
+is "of scores too" "$(old_days)" 0
 
 # ---- verified, and as files
 req POST /v1/audit/verify

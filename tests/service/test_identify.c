@@ -1,6 +1,8 @@
 /* An identification finds a person by another scan, with the digits of a verification; it names nobody who may not
  * be found, even if the gallery errs; it is recorded, and what it cannot know is inconclusive. */
 /* link: -Wl,--wrap=gallery_follow -Wl,--wrap=store_record_verification */
+#include <math.h>
+
 #include "clouds.h"
 #include "errinfo.h"
 #include "identify.h"
@@ -304,4 +306,28 @@ TEST(test_threshold_of_four)
     assert_true(x.best.result.threshold > 15);
     assert_true((x.decision == SURFACE_MATCH) ==
                 (x.best.result.score >= x.best.result.threshold));
+}
+
+/* A search counts the scan's quality, whether it finds someone or not. */
+TEST(test_counted)
+{
+    const bool no = false;
+    struct store_scans *list;
+    size_t n;
+
+    begin();
+    must(identify(0, 1, "", 0));
+    must(store_subject_set(store, "test", name[0],
+                           &(struct store_subject_change){.identify = &no}, &e));
+    must(identify(0, 1, "", 0));
+    must(store_scans(store, &list, &n, &e));
+    assert_int_equal(n, 1);
+    assert_string_equal(list[0].token, "test");
+    assert_int_equal(list[0].n, 2);
+    assert_int_equal(list[0].unusable, 0);
+    assert_int_equal(list[0].noise_um,
+                     2 * lround(1000 * surface_face_quality(face).noise_mm));
+    assert_int_equal(list[0].quality,
+                     2 * lround(1000 * surface_face_quality(face).score));
+    free(list);
 }
