@@ -192,7 +192,7 @@ ended "a rotated one" rotate
 one=$next
 ok "its new secret" test -n "$one"
 ended "rotated by another program, without grace" ctl token rotate "$(id_of rotated)"
-one=$(new_token ending --scope events --expires 4s)
+one=$(new_token ending --scope events --expires 8s)
 ended "one that expires" true
 req GET '/v1/events?last=0' -H "Authorization: Bearer $one"
 AUTH=$one
@@ -285,14 +285,14 @@ is "and once" "$STATUS $(get '[.events[] | select(.type == "gap")] | length')" '
 long=$(printf '%0128d' 0)
 req POST /v1/subjects -H "$JSON" -d "{\"subject\": \"$long\"}"
 for _ in $(seq 200); do printf 'url = "%s/v1/subjects/%s"\noutput = /dev/null\n' "$URL" "$long"; done >"$T/changes"
-curl -sS -K "$T/changes" -X PATCH -H "Authorization: Bearer $AUTH" -H "$MERGE" \
-    -d '{"consent": "x", "hold": false, "disabled": false, "groups": ["a"], "identify": true}'
+curl -sS -w '%{http_code}\n' -K "$T/changes" -X PATCH -H "Authorization: Bearer $AUTH" -H "$MERGE" \
+    -d '{"consent": "x", "hold": false, "disabled": false, "groups": ["a"], "identify": true}' >"$T/patched"
 exec 8<>"$T/hold"
 python3 tests/box/events.py hold "$URL1" 20 '?after=0-0' "$t1" <"$T/hold" >"$T/held" 2>&1 &
 holder=$!
 ok "20 are open" soon grep -qx 'open 20 refused 0' "$T/held"
 events pages "$URL1" 1000 >"$T/pages"
-ok "all is read beside them: $(wc -l <"$T/pages")" test "$(wc -l <"$T/pages")" -ge 1000
+ok "all is read beside them: $(wc -l <"$T/pages")" test "$(wc -l <"$T/pages")" -ge $(($(grep -c 200 "$T/patched") * 5))
 # shellcheck disable=SC2317 # called by soon
 cut_off() {
     [ "$(metric 'surfaced_connections_closed_total{reason="slow_events"}')" = 20 ]
