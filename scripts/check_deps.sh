@@ -50,13 +50,13 @@ circles() {
 }
 
 # alone FOLDER: its files without a header of their name: a program's main file, and those
-# that each hold one command and are declared by the table of commands, or one
-# form of a report, one study, one noun of the store, or the reader of one format
+# that each hold one command or the handlers of some routes and are declared by the table of these,
+# or one form of a report, one study, one noun of the store, or the reader of one format
 alone() {
     for source in "$1"/*.c; do
         case $source in
         core/basic/calibration.c | core/face/search_*.c) ;; # surface_*.h declares it
-        */main.c | */*_main.c | ctl/ctl_* | db/store_* | db/sql/sql_*_conn.c | db/sql/sql_postgres_wait.c | lab/lab_* | lab/report_* | lab/study/* | scan/read_*) ;;
+        */main.c | */*_main.c | ctl/ctl_* | db/store_* | db/sql/sql_*_conn.c | db/sql/sql_postgres_wait.c | lab/lab_* | lab/report_* | lab/study/* | scan/read_* | server/api/*) ;;
         *) [ -f "${source%.c}.h" ] || echo "$source" ;;
         esac
     done
