@@ -204,5 +204,7 @@ CREATE TABLE calibrations (
     genuine      INTEGER NOT NULL CHECK (genuine >= 0),
     knots        BLOB NOT NULL -- score, rate of each, as little-endian IEEE 754 doubles
                  CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0),
+    -- people with two templates, u32; then points of the DET, as doubles (rows_calibration.c)
+    det          BLOB NOT NULL CHECK (length(det) BETWEEN 4 AND 684 AND length(det) % 40 = 4),
     mac          BLOB NOT NULL CHECK (length(mac) = 32)
 ) STRICT;

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "store.h"
+#include "describe.h"
 #include "rates.h"
 #include "ctl_command.h"
 #include "ctl_cross.h"
@@ -239,6 +240,9 @@ static enum status learn(struct ctl *c, struct result *r)
     if (st == ST_OK)
         st = rates_bootstrap(r->rates, threshold, wanted_fmr, RATES_REPLICATES, SEED,
                              &low, &high);
+    if (st == ST_OK)
+        st = det_learn(r->rates, r->pairs, threshold,
+                       surface_model_calibration(c->model)->threshold, SEED, &k->det);
     if (st == ST_ETOOFEW)
         return errinfo_set(&c->e, st,
                            "no threshold gives a false match rate of %g: too many of "
@@ -254,8 +258,8 @@ static enum status learn(struct ctl *c, struct result *r)
     k->impostors = rates_nimpostor(r->rates);
     k->genuine = rates_ngenuine(r->rates);
     r->fnmr = rates_fnmr(r->rates, threshold);
-    r->fnmr_low = low.fnmr;
-    r->fnmr_high = high.fnmr;
+    r->fnmr_low = k->det.n > 0 ? k->det.own.low : low.fnmr;
+    r->fnmr_high = k->det.n > 0 ? k->det.own.high : high.fnmr;
     r->shipped_fmr = rates_fmr(r->rates, surface_model_calibration(c->model)->threshold);
     r->shipped_fnmr =
         rates_fnmr(r->rates, surface_model_calibration(c->model)->threshold);
@@ -298,6 +302,7 @@ static void out_calibration(struct ctl *c, const struct store_calibration *k)
         json_number(o, "subjects", (double)k->subjects);
         json_number(o, "non_mated", (double)k->impostors);
         json_number(o, "mated", (double)k->genuine);
+        describe_det(o, "det", &k->det);
     }
     json_number(o, "people", people(c, k));
     show_knots(o, "table", d);
@@ -359,6 +364,26 @@ static void print_search(const struct ctl *c, const struct result *r)
                  n <= most ? "" : "; among more never a match");
 }
 
+/* How often the own people are refused, by how often others match. */
+static void print_det(const struct det *d)
+{
+    if (d->n == 0) {
+        (void)printf(
+            "\nno error trade-off (DET): %u of the people have two templates, and "
+            "%u are needed\n",
+            d->people, DET_PEOPLE);
+        return;
+    }
+    (void)printf(
+        "\n  other people match    score     do not match of %u people's own scans, "
+        "95 %% interval\n",
+        d->people);
+    for (uint32_t i = 0; i < d->n; i++)
+        (void)printf("  %16.4g %%  %7.2f  %12.3g %%  %.3g to %.3g %%\n",
+                     100 * d->point[i].fmr, d->point[i].score, 100 * d->point[i].fnmr,
+                     100 * d->point[i].low, 100 * d->point[i].high);
+}
+
 static void print_result(const struct ctl *c, const struct result *r)
 {
     const struct ctl_cross *p = &r->cross;
@@ -394,6 +419,7 @@ static void print_result(const struct ctl *c, const struct result *r)
     (void)printf("\n  false match rate      score\n");
     for (uint32_t i = 0; i < d->n; i++)
         (void)printf("  %14.4g %%  %7.2f\n", 100 * d->knot[i].rate, d->knot[i].score);
+    print_det(&k->det);
     print_suspects(c, r);
 }
 

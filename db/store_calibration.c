@@ -9,8 +9,8 @@
 
 static bool possible(const struct store_calibration *k)
 {
-    return surface_calibration_valid(&k->table) && k->fmr > 0 && k->fmr < 1 &&
-           k->low <= k->table.threshold && k->high >= k->table.threshold &&
+    return surface_calibration_valid(&k->table) && det_valid(&k->det) && k->fmr > 0 &&
+           k->fmr < 1 && k->low <= k->table.threshold && k->high >= k->table.threshold &&
            k->low > -1e4 && k->high < 1e4 && k->subjects <= INT64_MAX &&
            k->impostors <= INT64_MAX && k->genuine <= INT64_MAX;
 }

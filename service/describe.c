@@ -314,6 +314,37 @@ void describe_comparison(struct json *j, const struct describe_comparison *c)
     times(j, c->times, told, told);
 }
 
+static void det_point(struct json *j, const char *key, const struct det_point *p)
+{
+    json_object(j, key);
+    json_score(j, "score", p->score);
+    json_rate(j, "fmr", p->fmr);
+    json_rate(j, "fnmr", p->fnmr);
+    json_rate(j, "low", p->low);
+    json_rate(j, "high", p->high);
+    json_close(j);
+}
+
+void describe_det(struct json *j, const char *key, const struct det *d)
+{
+    if (d == NULL) {
+        json_text(j, key, NULL);
+        return;
+    }
+    json_object(j, key);
+    json_number(j, "people", d->people);
+    json_number(j, "needed", DET_PEOPLE);
+    if (d->n > 0) {
+        det_point(j, "own", &d->own);
+        det_point(j, "shipped", &d->shipped);
+    }
+    json_array(j, "points");
+    for (uint32_t i = 0; i < d->n; i++)
+        det_point(j, NULL, &d->point[i]);
+    json_close(j);
+    json_close(j);
+}
+
 void describe_asymmetry(struct json *j, const struct surface_asymmetry *a,
                         const struct surface_face *f, const char *engine,
                         const struct describe_times *t)

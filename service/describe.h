@@ -8,6 +8,7 @@
 #include <stdint.h>
 #include "libsurface.h"
 
+struct det;            /* det.h */
 struct json;           /* json.h */
 struct sample_found;   /* sample.h */
 struct session;        /* session.h */
@@ -88,6 +89,10 @@ void describe_comparison(struct json *j, const struct describe_comparison *c);
 /* describe_cells(j, p): Writes each cell's part of the score, by rows from the lower left, and the positions
  * of the cells. */
 void describe_cells(struct json *j, const struct surface_parts *p);
+
+/* describe_det(j, key, d): Writes an object: the people that it rests on, and the curve.
+ *   d  NULL: null */
+void describe_det(struct json *j, const char *key, const struct det *d);
 
 /* describe_asymmetry(j, a, f, engine, times): Writes the asymmetry of face f.
  *   times  score and align are not used */

@@ -34,6 +34,7 @@ static void describe_in_force(struct json *j, const struct store_calibration *k)
     json_number(j, "subjects", k->shipped ? none : (double)k->subjects);
     json_number(j, "non_mated", k->shipped ? none : (double)k->impostors);
     json_number(j, "mated", k->shipped ? none : (double)k->genuine);
+    describe_det(j, "det", k->shipped ? NULL : &k->det);
     show_calibration(j, &k->table);
     json_close(j);
 }

@@ -136,6 +136,23 @@ size_t rates_nimpostor(const struct rates *r)
     return r->nimpostor;
 }
 
+enum status rates_people(const struct rates *r, uint32_t *out)
+{
+    bool *seen = mem_array(r->nsubject + (size_t)1, sizeof *seen);
+
+    if (seen == NULL)
+        return ST_ENOMEM;
+    memset(seen, 0, r->nsubject * sizeof *seen);
+    *out = 0;
+    for (size_t i = 0; i < r->n; i++)
+        if (r->score[i].template == r->score[i].probe && !seen[r->score[i].probe]) {
+            seen[r->score[i].probe] = true;
+            ++*out;
+        }
+    mem_free(seen);
+    return ST_OK;
+}
+
 /* How many of v[0..n-1], falling, are at or above the threshold; -INFINITY never is. */
 static size_t accepted(const double *v, size_t n, double threshold)
 {

@@ -58,6 +58,9 @@ void rates_free(struct rates *r); /* NULL is allowed */
 size_t rates_ngenuine(const struct rates *r);
 size_t rates_nimpostor(const struct rates *r);
 
+/* rates_people(r, out): Counts the subjects with a mated comparison.  Cost: O(n).  Returns ST_OK, ST_ENOMEM. */
+enum status rates_people(const struct rates *r, uint32_t *out);
+
 /* rates_fmr(r, score): Returns the FMR at a threshold.  Cost: O(log n). */
 double rates_fmr(const struct rates *r, double score);
 

@@ -6,17 +6,19 @@
 
 #define COLUMNS                                                                          \
     "calibration_key, revision, created, actor, engine, shipped, fmr, threshold, low, "  \
-    "high, subjects, impostors, genuine, knots, mac"
+    "high, subjects, impostors, genuine, knots, det, mac"
 
-enum { COL_KEY, COL_MAC = 14 };
+enum { COL_KEY, COL_MAC = 15 };
 
 #define KNOT_BYTES 16
+#define DET_BYTES  40 /* of a point */
+#define PEOPLE     4  /* bytes of their number */
 #define MAX_SCORE  1e4
 
 struct row {
     struct store_calibration one;
     int64_t revision;
-    struct sql_field_blob knots;
+    struct sql_field_blob knots, det;
     unsigned char mac[CRYPT_HASH];
 };
 
@@ -38,7 +40,59 @@ static const struct sql_field columns[COL_MAC] = {
     F(NUMBER, one.impostors),
     F(NUMBER, one.genuine),
     F(BLOB, knots),
+    F(BLOB, det),
 };
+
+static void put_point(unsigned char **to, const struct det_point *p)
+{
+    bytes_put_real(to, p->score);
+    bytes_put_real(to, p->fmr);
+    bytes_put_real(to, p->fnmr);
+    bytes_put_real(to, p->low);
+    bytes_put_real(to, p->high);
+}
+
+static struct det_point get_point(const unsigned char *from)
+{
+    return (struct det_point){.score = bytes_real(from),
+                              .fmr = bytes_real(from + 8),
+                              .fnmr = bytes_real(from + 16),
+                              .low = bytes_real(from + 24),
+                              .high = bytes_real(from + 32)};
+}
+
+/* The number of people; then, if there is a curve, both thresholds and its points. */
+static void put_det(const struct det *d, struct sql_field_blob *b)
+{
+    unsigned char *to = b->bytes;
+
+    bytes_put_number(&to, d->people, PEOPLE);
+    if (d->n > 0) {
+        put_point(&to, &d->own);
+        put_point(&to, &d->shipped);
+    }
+    for (uint32_t i = 0; i < d->n; i++)
+        put_point(&to, &d->point[i]);
+    b->n = (size_t)(to - b->bytes);
+}
+
+static bool get_det(const struct sql_field_blob *b, struct det *d)
+{
+    const unsigned char *from = b->bytes + PEOPLE;
+    const size_t n = b->n < PEOPLE ? 0 : (b->n - PEOPLE) / DET_BYTES;
+
+    if (b->n != PEOPLE + n * DET_BYTES || n > DET_POINTS + 2 || n == 1 || n == 2)
+        return false;
+    d->people = (uint32_t)bytes_number(b->bytes, PEOPLE);
+    d->n = n > 0 ? (uint32_t)n - 2 : 0;
+    if (n > 0) {
+        d->own = get_point(from);
+        d->shipped = get_point(from + DET_BYTES);
+    }
+    for (uint32_t i = 0; i < d->n; i++)
+        d->point[i] = get_point(from + (size_t)DET_BYTES * (i + 2));
+    return det_valid(d);
+}
 
 /* A wrong threshold would open the door: all of it is looked at, also of an authentic row. */
 static bool rows_calibration_complete(const struct log_txn *t, const struct sql_rows *r,
@@ -56,8 +110,8 @@ static bool rows_calibration_complete(const struct log_txn *t, const struct sql_
         c->knot[i].score = bytes_real(knots->bytes + KNOT_BYTES * i);
         c->knot[i].rate = bytes_real(knots->bytes + KNOT_BYTES * i + 8);
     }
-    return surface_calibration_valid(c) && k->low <= c->threshold &&
-           k->high >= c->threshold;
+    return surface_calibration_valid(c) && get_det(&((struct row *)row)->det, &k->det) &&
+           k->low <= c->threshold && k->high >= c->threshold;
 }
 
 const struct rows_table rows_calibrations = {
@@ -66,7 +120,7 @@ const struct rows_table rows_calibrations = {
         "SELECT " COLUMNS ", calibration_key FROM calibrations ORDER BY calibration_key",
     .insert =
         "INSERT INTO calibrations (" COLUMNS ") VALUES ($1, $2, $3, $4, $5, $6, $7, "
-        "$8, $9, $10, $11, $12, $13, $14, $15)",
+        "$8, $9, $10, $11, $12, $13, $14, $15, $16)",
     .drop = {"DELETE FROM calibrations WHERE calibration_key = $1"},
     .columns = COL_MAC,
     .field = columns,
@@ -115,5 +169,6 @@ enum status rows_calibration_add(struct log_txn *t, struct store_calibration *k,
         bytes_put_real(&to, c->knot[i].rate);
     }
     row.knots.n = (size_t)(to - row.knots.bytes);
+    put_det(&k->det, &row.det);
     return rows_table_insert(t, &rows_calibrations, &row, e);
 }

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "crypt.h"
+#include "det.h"
 #include "groups.h"
 #include "libsurface.h"
 #include "ident.h"
@@ -213,6 +214,7 @@ struct store_calibration {
     uint64_t impostors; /* number of comparisons of different subjects */
     uint64_t genuine;   /* number of comparisons of one subject */
     struct surface_calibration table; /* a valid table */
+    struct det det; /* of the compared subjects; zeros: none of them has two templates */
     /* It is the newest, but made by another engine, and does not decide.  Set only by
      * store_calibration_current(). */
     bool ignored;

@@ -60,6 +60,66 @@ function curve(c, all) {
   return [out, el("div.what-if", {}, slider, said)];
 }
 
+/** The point of a normal distribution below which is this share (Acklam's approximation, to 1e-9). */
+function deviate(p) {
+  const tail = (q) => (((((-7.784894002430293e-3 * q - 0.3223964580411365) * q - 2.400758277161838) * q - 2.549732539343734) * q + 4.374664141464968) * q + 2.938163982698783)
+    / ((((7.784695709041462e-3 * q + 0.3224671290700398) * q + 2.445134137142996) * q + 3.754408661907416) * q + 1);
+  if (p < 0.02425) return tail(Math.sqrt(-2 * Math.log(p)));
+  if (p > 1 - 0.02425) return -tail(Math.sqrt(-2 * Math.log(1 - p)));
+  const q = p - 0.5, r = q * q;
+  return ((((((-39.69683028665376 * r + 220.9460984245205) * r - 275.9285104469687) * r + 138.357751867269) * r - 30.66479806614716) * r + 2.506628277459239) * q)
+    / (((((-54.47609879822406 * r + 161.5858368580409) * r - 155.6989798598866) * r + 66.80131188771972) * r - 13.28068155288572) * r + 1);
+}
+
+const TICKS = [1e-5, 1e-4, 1e-3, 0.01, 0.05, 0.2, 0.5];
+const share = (rate) => `${Number((100 * rate).toPrecision(2))} %`;
+
+const refused = (p) => `${share(p.fnmr)} (${share(p.low)} to ${share(p.high)})`;
+
+/** How often the own people are refused against how often others match, both as normal deviates: a straight line if both
+ *  scores are normal.  Below what so few people can show there is no value: "none". */
+function tradeOff(d) {
+  const W = chartWidth(), H = Math.min(W, 420), left = 62, bottom = 44, top = 26, right = 18;
+  const few = 3 / d.people, floor = few / 6;
+  const from = d.points.at(-1).fmr, most = Math.min(0.9, Math.max(0.5, ...d.points.map((p) => p.high)));
+  const place = (v, low, high) => (deviate(Math.min(Math.max(v, low), high)) - deviate(low)) / (deviate(high) - deviate(low));
+  const x = (fmr) => left + place(fmr, from / 2, 0.5) * (W - left - right);
+  const y = (fnmr) => H - bottom - place(fnmr, floor, most) * (H - top - bottom);
+  const text = (at, up, what, anchor = "middle", kind = "") => svg("text", { x: at, y: up, "text-anchor": anchor, class: kind }, what);
+  const out = svg("svg", { viewBox: `0 0 ${W} ${H}`, class: "chart", role: "img",
+    "aria-label": `At the threshold in force ${share(d.own.fnmr)} of own comparisons do not match (95 % interval ${share(d.own.low)} to ${share(d.own.high)}). The table below has the curve.` });
+  out.append(svg("rect", { x: left, y: y(few), width: W - left - right, height: H - bottom - y(few), class: "unknown" }));
+  for (const t of TICKS) {
+    if (t >= from / 2) out.append(svg("line", { x1: x(t), x2: x(t), y1: top, y2: H - bottom, class: "grid" }), text(x(t), H - bottom + 16, share(t)));
+    if (t >= floor && t <= most) out.append(svg("line", { x1: left, x2: W - right, y1: y(t), y2: y(t), class: "grid" }), text(left - 8, y(t) + 4, share(t), "end"));
+  }
+  const band = [...d.points.map((p) => `${x(p.fmr)},${y(p.high)}`), ...d.points.toReversed().map((p) => `${x(p.fmr)},${y(p.low)}`)].join(" ");
+  out.append(text(left - 8, H - bottom + 4, "none", "end"), text(left + (W - left - right) / 2, H - 6, "other people match", "middle", "strong"),
+    text(left, 14, "own comparisons that do not match", "start", "strong"), svg("polygon", { points: band, class: "band" }),
+    svg("polyline", { points: d.points.map((p) => `${x(p.fmr)},${y(p.fnmr)}`).join(" "), class: "curve" }));
+  for (const [p, kind] of [[d.shipped, "other"], [d.own, "mark"]]) out.append(svg("circle", { cx: x(p.fmr), cy: y(p.fnmr), r: kind === "mark" ? 5.5 : 7, class: kind }));
+  return out;
+}
+
+const SELECTED = "Templates of a person had to match to be enrolled, unless that was forced: scans at a door are refused more often.";
+
+/** The error trade-off of the own scans, or why there is none. */
+function own(d) {
+  const title = el("h2", {}, "How often the right person is refused");
+  if (!d) return el("section.card", {}, title, el("p.dim", {}, "The shipped model keeps no scores of one person's scans; ", el("code", {}, "surfacectl calibrate"),
+    " measures this with scans of your own, of people with two templates or more."));
+  if (!d.points.length) return el("section.card", {}, title, el("p", {}, `${d.people === 0 ? "None" : `Only ${count(d.people)}`} of the people who were compared ${d.people === 1 ? "has" : "have"} two templates or more; ${count(d.needed)} are needed. `,
+    "Fewer show no rate below one in ten."), el("p.dim", {}, "Enroll a second sitting of more people, and calibrate again."));
+  const row = (p, name = "") => el("tr", {}, el("th", { scope: "row" }, name + share(p.fmr)), [plain(p.score, 1), refused(p)].map((t) => el("td", {}, t)));
+  return el("section.card", {}, title, tradeOff(d),
+    el("p.states", {}, el("span.key.own", {}, `Threshold in force: ${refused(d.own)}`), el("span.key.ring", {}, `Shipped threshold: ${refused(d.shipped)}`),
+      el("span.key.band", {}, "95 % interval, over people"), el("span.key.unknown", {}, `Below what ${count(d.people)} people can show`)),
+    el("p.dim", {}, SELECTED),
+    el("details", {}, el("summary", {}, "As a table"), el("table.trade", { "aria-label": "Error trade-off" },
+      el("thead", {}, el("tr", {}, ["Other people match", "Score", "Refused, 95 % interval"].map((t) => el("th", { scope: "col" }, t)))),
+      el("tbody", {}, row(d.own, "In force: "), row(d.shipped, "Shipped: "), d.points.map((p) => row(p))))));
+}
+
 /** The Monday of a day. */
 function week(of) {
   const d = new Date(`${of}T00:00:00Z`);
@@ -122,6 +182,7 @@ export function openCalibration(body) {
     body.replaceChildren(el("div.try", {},
       el("div.stack", {},
         el("section.card", {}, el("h2", {}, "How many other people would match"), ...curve(c, s.days.some((d) => d.bins) && all)),
+        own(c.det),
         el("section.card", {}, el("h2", {}, "Scores of the last weeks"),
           ...(s.days.some((d) => d.bins) ? [legend(), history(all, c.threshold), el("details", {}, el("summary", {}, "As a table"), asTable(all))]
             : all.length ? [el("p.dim", {}, "Scores are shown to a token with the scope score."), asTable(all)]

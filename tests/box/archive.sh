@@ -177,7 +177,7 @@ cp "$TO" "$T/empty"
 everything "$DB" | jq -c 'select(.subject != "carol")' >"$T/wanted"
 refused=0 whole=0
 for at in $(python3 -c "import random; random.seed(1)
-print(18, *random.sample(range(100, $size), 24))"); do # 18: as if it had a WAL
+print(18, *random.sample(range(100, $size), 40))"); do # 18: as if it had a WAL
     cp "$T/a" "$T/bad"
     python3 - "$T/bad" "$at" <<'END'
 import sys

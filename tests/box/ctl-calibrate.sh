@@ -93,8 +93,8 @@ is "an event tells" "$(sql "SELECT actor, outcome FROM $ENTRIES WHERE kind = 'ca
 
 # A threshold that nothing reaches: enrolment is judged by it too.
 "$BUILD/forge" "$DB" "$KEY" "INSERT INTO calibrations (revision, created, actor, engine, shipped, fmr, threshold,
-    low, high, subjects, impostors, genuine, knots, mac) SELECT 1, created, actor, engine, shipped,
-    fmr, 1000, 0, 1000, subjects, impostors, genuine, knots, zeroblob(32) FROM calibrations"
+    low, high, subjects, impostors, genuine, knots, det, mac) SELECT 1, created, actor, engine, shipped,
+    fmr, 1000, 0, 1000, subjects, impostors, genuine, knots, det, zeroblob(32) FROM calibrations"
 send POST /v1/subjects/s2/templates "$PLY" "$T/probe.ply"
 problem "a sample, by a strict calibration" 409 sample_mismatch
 ctl enroll s2 "$T/probe.ply"
@@ -136,6 +136,41 @@ ctl check-database
 is "check finds it" "$CODE $(said '.ok')" "1 false"
 ctl calibrate --reset
 is "nothing is written on top of it" $CODE 77
+
+# ---- how often the right one is refused: of 30 people or more with two templates
+export SURFACED_DB="$T/two.db" DB="$T/two.db"
+ctl init
+for i in $(seq 30); do
+    scan "$i" 0 "$T/first.ply" --points 1500
+    scan "$i" 1 "$T/second.ply" --points 1500 --pose 5
+    ctl enroll "p$i" "$T/first.ply"
+    [ "$i" = 1 ] || ctl enroll "p$i" "$T/second.ply" --force
+done
+ctl calibrate --fmr 0.05 --dry-run
+is "of 29 people nothing is told" "$(said '[.det.people, .det.needed, (.det.points | length), .det.own] | @csv')" 29,30,0,
+"$BUILD/surfacectl" calibrate --fmr 0.05 --dry-run >"$T/text"
+ok "but how many there are, and are needed" grep -q '29 of the people have two templates, and 30 are needed' "$T/text"
+scan 40 0 "$T/foreign.ply" --points 1500
+ctl enroll p1 "$T/foreign.ply" --force # a wrong sitting: of 60 comparisons two do not match
+ctl calibrate --fmr 0.05 --yes
+is "of 30 it is" "$(said '[.det.people, (.det.points | length), .mated] | @csv')" 30,6,60
+ok "a share is refused at the threshold, in its interval" jq_true \
+    '.det.own | .fnmr * 60 - 2 | fabs < 0.01' "$T/ctl"
+# shellcheck disable=SC2016 # the variables are jq's
+ok "as the command says, and with the rule of 3" jq_true \
+    '.fnmr == .det.own.fnmr and .fnmr_high == .det.own.high and .det.own.high >= 0.1 and .det.own.low == 0' "$T/ctl"
+ok "a higher threshold refuses more" jq_true '[.det.points[] | .fnmr] as $f | [.det.points[] | .score] as $s
+    | $f == ($f | sort) and $s == ($s | sort)' "$T/ctl"
+det=$(said .det)
+start_daemon --no-auth
+req GET /v1/stats
+is "the daemon tells the same" "$(get .calibration.det)" "$det"
+stop_daemon
+"$BUILD/surfacectl" calibrate --fmr 0.05 --dry-run >"$T/text"
+ok "the command shows it" grep -q "do not match of 30 people's own scans" "$T/text"
+sql "UPDATE calibrations SET det = zeroblob(4)"
+ctl verify p2 "$T/first.ply"
+is "altered by somebody else: nothing is decided" $CODE 65
 
 # ---- everybody is one scan
 export SURFACED_DB="$T/same.db" DB="$T/same.db"

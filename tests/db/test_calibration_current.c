@@ -57,6 +57,7 @@ TEST(test_followed)
     assert_memory_equal(&in.table, &k.table, sizeof in.table);
     assert_string_equal(in.engine, store_made_by(s));
     assert_true(in.fmr == k.fmr && in.low == k.low && in.high == k.high);
+    assert_memory_equal(&in.det, &k.det, sizeof in.det);
     assert_true(in.subjects == 80 && in.impostors == 6320 && in.genuine == 7);
     must(store_calibration_refresh(s, tempdb_work, &version, &e));
     for (int damaged = 0; damaged < 2; damaged++) {
@@ -69,7 +70,7 @@ TEST(test_followed)
         tempdb_sql(
             "INSERT INTO calibrations SELECT calibration_key + 1, revision, created, "
             "actor, engine, shipped, fmr, threshold, low, high, subjects, impostors, "
-            "genuine, knots, mac FROM calibrations ORDER BY 1 DESC LIMIT 1");
+            "genuine, knots, det, mac FROM calibrations ORDER BY 1 DESC LIMIT 1");
         fails(store_calibration_refresh(s, tempdb_work, &version, &e), ST_ECORRUPT);
         fails(store_calibration_add(s, "test", &k, &e), ST_ECORRUPT);
     }

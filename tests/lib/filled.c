@@ -167,7 +167,7 @@ void filled_look(struct store *s, char out[FILLED_TEXT])
         "expires, hex(old_hash), old_until, used) FROM tokens",
         "SELECT json_array(id, name, created, hex(public)) FROM devices",
         "SELECT json_array(calibration_key, created, actor, engine, shipped, fmr, low, "
-        "high, subjects, impostors, genuine, threshold, hex(knots)) FROM calibrations",
+        "high, subjects, impostors, genuine, threshold, hex(knots), hex(det)) FROM calibrations",
         "SELECT json_array(hex(uid), token, failures, at_ms, suspicion) FROM attempts "
         "JOIN subjects USING (subject_key)",
         "SELECT json_array(until_ms, hex(nonce)) FROM nonces",

@@ -298,6 +298,11 @@ struct store_calibration tempdb_calibration(double threshold)
         .table = {.threshold = threshold,
                   .n = 3,
                   .knot = {{-900, 1}, {-800, 0.25}, {threshold, 0.001}}},
+        .det = {.people = 40,
+                .n = 2,
+                .own = {threshold, 0.001, 0.125, 0.0625, 0.25},
+                .shipped = {8, 0, 0.25, 0, 0.5},
+                .point = {{-850, 0.5, 0, 0, 0.125}, {-800, 0.2, 0.0625, 0, 0.125}}},
     };
 }
 
