@@ -1,9 +1,11 @@
-"""Readers of GET /v1/events, for http-events.sh.  The token is in $TOKEN."""
+"""Readers of GET /v1/events, for http-events.sh and http-tls.sh.  The token is in $TOKEN, over TLS the daemon's CA in
+$CA."""
 import http.client
 import json
 import os
 import signal
 import socket
+import ssl
 import statistics
 import sys
 import threading
@@ -134,7 +136,9 @@ def hold(url, count, query, *tokens):
         s = socket.socket()
         s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         s.connect((host.hostname, host.port))
-        s.sendall((f"GET /v1/events{query} HTTP/1.1\r\nHost: x\r\nAccept: text/event-stream\r\n"
+        if host.scheme == "https":
+            s = ssl.create_default_context(cafile=os.environ["CA"]).wrap_socket(s, server_hostname=host.hostname)
+        s.sendall((f"GET /v1/events{query} HTTP/1.1\r\nHost: {host.netloc}\r\nAccept: text/event-stream\r\n"
                    f"Authorization: Bearer {tokens[i % len(tokens)]}\r\n\r\n").encode())
         status = s.recv(12)
         if status == b"HTTP/1.1 200":

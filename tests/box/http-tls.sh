@@ -158,7 +158,44 @@ kill -HUP "$PID"
 ok "the log reports bad files" soon logged 'the TLS certificate stays as it was'
 ok "and the second certificate stays" serves two
 ok "with its end" ends 5
+
+# ---- a stream of events: what happens is delivered, a reader that takes nothing is cut off, and the rest ends with the daemon
+# shellcheck disable=SC2086 # options
+{
+    curl -sSN $ca -m 400 -H 'Accept: text/event-stream' "$URL/v1/events?last=1" >"$T/stream" 2>"$T/curl" &
+    reader=$!
+    # shellcheck disable=SC2317 # called by soon
+    delivered() { [ "$(grep -c '^event: ' "$T/stream")" = "$1" ]; }
+    ok "the last event" soon delivered 1
+    send POST /v1/subjects/alice/verify "$PLY" "$T/p.ply" $ca
+    ok "the next one" soon delivered 2
+    is "is what happened" "$(sed -n 's/^data: //p' "$T/stream" | tail -n 1 | jq -r '"\(.type) \(.outcome) \(.subject)"')" 'verify match alice'
+    long=$(printf '%0128d' 0)
+    req POST /v1/subjects $ca -H "$JSON" -d "{\"subject\": \"$long\"}"
+    for _ in $(seq 200); do printf 'url = "%s/v1/subjects/%s"\noutput = /dev/null\n' "$URL" "$long"; done >"$T/changes"
+    curl -sS $ca -K "$T/changes" -X PATCH -H 'Content-Type: application/merge-patch+json' \
+        -d '{"consent": "x", "hold": false, "disabled": false, "groups": ["a"], "identify": true}'
+    mkfifo "$T/hold"
+    exec 8<>"$T/hold"
+    CA=$T/ca.pem python3 tests/box/events.py hold "$URL" 5 '?after=0-0' none <"$T/hold" >"$T/held" 2>&1 &
+    holder=$!
+    ok "5 that take nothing" soon grep -qx 'open 5 refused 0' "$T/held"
+    # shellcheck disable=SC2317 # called by soon
+    cut_off() {
+        req GET /metrics $ca
+        grep -qx 'surfaced_connections_closed_total{reason="slow_events"} 5' "$T/body"
+    }
+    ok "are cut off" soon cut_off
+    before=$(grep -c '^event: ' "$T/stream")
+    send POST /v1/subjects/alice/verify "$PLY" "$T/p.ply" $ca
+    ok "who reads goes on" soon delivered $((before + 1))
+    kill $holder
+    wait $holder 2>/dev/null
+    exec 8>&-
+}
 stop_daemon
+wait $reader
+is "and its stream ends with the daemon, whole" "$? $(tail -c 1 "$T/stream" | od -An -c | tr -d ' ')" '0 \n'
 
 # ---- client certificates
 # shellcheck disable=SC2086 # options
