@@ -32,7 +32,7 @@ export function open(main, who, from) {
     ["Person", (e) => (e.subject === null ? (e.erased ? el("a.dim", { href: here({ subject: "", subject_uid: e.subject_uid }), title: `All of ${e.subject_uid}` }, "erased since") : "")
       : who.scopes.includes("read") ? el("a", { href: personAt(e.subject) }, e.subject) : e.subject), "name"],
     ["Outcome", cameOf, "dim.why"],
-    ["By", (e) => el("a.plain", { href: here({ actor: e.actor }), title: `Only by ${e.actor}` }, e.actor_name ?? e.actor), "by"],
+    ["By", (e) => e.actor && el("a.plain", { href: here({ actor: e.actor }), title: `Only by ${e.actor}` }, e.actor_name ?? e.actor), "by"],
     ["Time (UTC)", (e) => el("time", { dateTime: e.at, title: moment(e.at) }, e.at.slice(11, 19)), "dim"],
   ]);
   const status = el("p.dim", { role: "status" });
@@ -105,7 +105,7 @@ export function open(main, who, from) {
     by.replaceWith(field("By", select("actor", [["", "Anybody"], ...tokens.map((t) => [t.id, t.name])]))), () => {});
   const clear = el("a.clear", { href: "#audit", hidden: !FILTERS.some((f) => filter[f]) }, "Show all");
   const form = el("form.filters", { role: "search", onsubmit: (e) => e.preventDefault() },
-    field("What", select("kind", [["", "Everything"]], groups)), field("Person", el("input", { type: "search", placeholder: "Id, or number of a receipt", spellcheck: false, value: filter.subject || filter.subject_uid,
+    field("What", select("kind", [["", "Everything"]], groups)), field("Person", el("input", { type: "search", placeholder: "Id or number", title: "Id, or the number on a receipt", spellcheck: false, value: filter.subject || filter.subject_uid,
       oninput: (e) => { filter.subject_uid = ""; set("subject", e.target.value.trim(), 300); } })),
     by, field("From (UTC)", dayInput("since")), field("To (UTC)", dayInput("until")), clear);
 

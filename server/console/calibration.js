@@ -9,6 +9,9 @@ import { outcome } from "./words.js";
 
 const LOW = -40, STEP = 2, BINS = 64, WEEKS = 12, DECISIONS = ["match", "inconclusive", "no_match"];
 
+/** The threshold's name over its line, which no edge cuts. */
+const named = (x, width, threshold) => svg("text", { x: Math.max(48, Math.min(x, width - 48)), y: 12, "text-anchor": "middle", class: "strong" }, `threshold ${plain(threshold, 1)}`);
+
 /** What another threshold would have changed, of the scores that are kept, which are counted in steps: in a sentence. */
 function effect(all, from, to) {
   const n = all.reduce((sum, w) => sum + w.n, 0), low = Math.min(from, to), high = Math.max(from, to);
@@ -45,7 +48,7 @@ function curve(c, all) {
     ...(c.low === null ? [] : [svg("rect", { x: x(Math.max(low, c.low)), y: top, width: x(c.high) - x(Math.max(low, c.low)), height: H - top - bottom, class: "interval" })]),
     line(low, last, "curve"), line(last, high, "curve beyond"),
     svg("line", { x1: x(c.threshold), x2: x(c.threshold), y1: top - 6, y2: H - bottom, class: "limit" }),
-    text(x(c.threshold), 12, `threshold ${plain(c.threshold, 1)}`, "middle", "strong"));
+    named(x(c.threshold), W, c.threshold));
   const mark = svg("circle", { r: 5.5, class: "mark" });
   out.append(mark);
   const said = el("output.what"), slider = el("input", { type: "range", min: Math.ceil(low), max: Math.floor(high), step: 0.5, value: c.threshold, "aria-label": "What if the threshold were" });
@@ -162,7 +165,7 @@ function history(all, threshold) {
     }
   });
   out.append(svg("line", { x1: x(threshold), x2: x(threshold), y1: top - 4, y2: H - 22, class: "limit" }),
-    svg("text", { x: x(threshold), y: 12, "text-anchor": "middle", class: "strong" }, `threshold ${plain(threshold, 1)}`),
+    named(x(threshold), W, threshold),
     svg("text", { x: W - right + 8, y: 12 }, "scans"),
     ...[-40, 0, 40, 80].map((s) => svg("text", { x: x(s), y: H - 6, "text-anchor": "middle" }, plain(s, 0))));
   return out;

@@ -14,7 +14,7 @@ const STATES = [["", "All"], ["active", "Active"], ["ending", "Ending soon"], ["
   ["locked", "Locked out"], ["no_consent", "No consent"]];
 
 /** What the list can be ordered by; else it is the order of creation. */
-const ORDERS = [["", "In order of adding"], ["subject", "By id"], ["-last_seen", "Last seen first"], ["quality", "Worst quality first"], ["expires_at", "By end of consent"]];
+const ORDERS = [["", "As added"], ["subject", "By id"], ["-last_seen", "Last seen"], ["quality", "Worst quality"], ["expires_at", "End of consent"]];
 const COLUMNS = ["subject", "created", "consent", "purpose", "expires_at", "last_seen", "disabled", "hold", "locked_until", "identify", "groups", "templates", "quality"];
 
 /** A cell of CSV; what a table program would take for a formula is a text. */

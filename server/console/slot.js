@@ -15,12 +15,12 @@ export const droppable = (put) => ({
 });
 
 /** put(file) is called with what was dropped or chosen, and with null once it was taken out again.  most: as many files
- *  of one person are taken, s.files; of more none is, which s.wrong says. */
-export function createSlot(letter, put, most = 1) {
+ *  of one person are taken, s.files; of more none is, which s.wrong says.  pair(files): if given, takes two at once. */
+export function createSlot(letter, put, most = 1, pair = null) {
   const several = most > 1, empty = several ? `Drop up to ${most} files of one sitting, or choose them` : "Drop a file or choose one";
   const name = el("strong", {}, "New scan"), about = el("span.dim", {}, empty);
   const badge = el("span.badge", { hidden: true });
-  const input = el("input", { type: "file", "aria-label": letter ? `Scan ${letter}` : "Scan", multiple: several, onchange: () => input.files.length && take([...input.files]) });
+  const input = el("input", { type: "file", "aria-label": letter ? `Scan ${letter}` : "Scan", multiple: several || pair !== null, onchange: () => input.files.length && take([...input.files]) });
   const out = el("button.quiet.out", { type: "button", hidden: true, title: "Take it out", "aria-label": letter ? `Take scan ${letter} out` : "Take the scan out",
     onclick: () => {
       input.value = "";
@@ -28,7 +28,7 @@ export function createSlot(letter, put, most = 1) {
       input.focus();
     } }, icon("close"));
   const box = el(`div.slot${letter && `.${letter.toLowerCase()}`}`, droppable((_, files) => take([...files])), letter && el("span.letter", { "aria-hidden": "true" }, letter), el("span.text", {}, name, about), badge, input, out);
-  const wrong = several && el("p.error", { role: "alert" });
+  const wrong = el("p.error", { role: "alert" });
   const s = {
     box, input, wrong, label, take, files: [],
     get file() { return s.files[0] ?? null; },
@@ -46,8 +46,10 @@ export function createSlot(letter, put, most = 1) {
   }
 
   function take(files) {
-    const excess = several && files.length > most;
-    if (several) wrong.textContent = excess ? `${files.length} files are too many: send up to ${most}, all of one person in one sitting. None was taken.` : "";
+    if (pair && files.length === 2) return pair(files);
+    const excess = files.length > most;
+    const up = several ? `send up to ${most}, all of one person in one sitting` : "two are compared. Several of one sitting are taken under Identify and on a person's page";
+    wrong.textContent = excess ? `${files.length} files are too many: ${up}. None was taken.` : "";
     if (excess) {
       input.value = "";
       return;

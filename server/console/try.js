@@ -35,7 +35,7 @@ function curl(path, ...parts) {
 
 export function open(main, who) {
   const verifies = who.scopes.includes("verify");
-  const slots = ["A", "B"].map((letter) => createSlot(letter, run));
+  const slots = ["A", "B"].map((letter) => createSlot(letter, run, 1, both));
   const stage = createStage(), report = createReport(stage, () => shown);
   const side = el("div.side"), lens = camera(run);
   const title = el("h1", {}, "Compare two scans");
@@ -51,8 +51,15 @@ export function open(main, who) {
   }
 
   async function sample(names) {
-    const files = await Promise.all(names.map(async (n) => new File([await (await fetch(url(`/console/${n}`))).arrayBuffer()], n)));
-    slots.forEach((s, i) => { s.file = files[i] ?? null; s.label(); });
+    both(await Promise.all(names.map(async (n) => new File([await (await fetch(url(`/console/${n}`))).arrayBuffer()], n))));
+  }
+
+  function both(files) {
+    slots.forEach((s, i) => {
+      s.input.value = s.wrong.textContent = "";
+      s.file = files[i] ?? null;
+      s.label();
+    });
     run();
   }
 
@@ -143,7 +150,7 @@ export function open(main, who) {
 
   main.replaceChildren(
     el("header", {}, title, el("span.dim.note", {}, "Nothing is stored."), report.buttons, saveButton),
-    el("div.slots", {}, slots[0].box, swapButton, slots[1].box), lens.element,
+    el("div.slots", {}, slots[0].box, swapButton, slots[1].box), ...slots.map((s) => s.wrong), lens.element,
     el("div.try", {}, stage.element, side));
   welcome();
   return () => {

@@ -15,7 +15,7 @@ PAGES = ["try", "identify", "live", "people", "people?subject=person-a", "people
 # name, CSS pixels across, device pixels for each, colours
 LOOKS = [("dark, 1440 px", 1440, 1, "dark", False), ("light, 1280 px", 1280, 1, "light", False),
          ("forced colours", 1280, 1, "dark", True), ("768 px", 768, 1, "light", False),
-         ("320 px", 320, 1, "light", False), ("200 %", 640, 2, "dark", False)]
+         ("360 px", 360, 1, "dark", False), ("320 px", 320, 1, "light", False), ("200 %", 640, 2, "dark", False)]
 
 
 def set_look(d, width, ratio, colors, forced):
@@ -54,6 +54,39 @@ def wide(d):
             .map((e) => `${e.localName}.${e.className}`).slice(0, 5)""")
 
 
+def cut(d):
+    """Texts that their own box cuts: of a control, of the choice of a select, in a chart."""
+    return d.execute_script("""
+        const found = [], pen = document.createElement("canvas").getContext("2d");
+        const tell = (e, text) => found.push(`${e.localName}.${e.getAttribute("class") ?? ""} "${text.trim().slice(0, 40)}"`);
+        for (const e of document.querySelectorAll("button, summary, a, label, input, select, h1, h2, h3, p, th, td, strong, .error")) {
+          if (!e.checkVisibility()) continue;
+          const style = getComputedStyle(e);
+          if (e.localName === "select") {
+            pen.font = style.font;
+            const room = e.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight) - 18; // of the arrow
+            const text = e.selectedOptions[0]?.textContent ?? "";
+            if (pen.measureText(text).width > room + 1) tell(e, text);
+          } else if (e.localName === "input") {
+            pen.font = style.font;
+            const room = e.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight);
+            if (e.value === "" && pen.measureText(e.placeholder).width > room + 1) tell(e, e.placeholder);
+          } else if (e.clientWidth > 1 && e.scrollWidth > e.clientWidth + 1 && (e.localName === "button" || style.overflowX !== "visible") && style.textOverflow !== "ellipsis") {
+            tell(e, e.textContent);
+          }
+        }
+        for (const e of document.querySelectorAll("button, select, input, a, summary")) { // in a bar that does not move
+          const a = e.getBoundingClientRect();
+          if (e.checkVisibility() && e.closest("aside") && (a.left < -1 || a.right > document.documentElement.clientWidth + 1)) tell(e, e.textContent);
+        }
+        for (const e of document.querySelectorAll("svg text")) {
+          const a = e.getBoundingClientRect(), svg = e.ownerSVGElement;
+          const b = (getComputedStyle(svg).overflow === "visible" ? document.documentElement : svg).getBoundingClientRect();
+          if (a.width && (a.left < b.left - 1 || a.right > b.right + 1 || a.top < b.top - 1 || a.bottom > b.bottom + 1)) tell(e, e.textContent);
+        }
+        return found""")
+
+
 def look_at(d, page):
     for name, *rest in LOOKS:
         set_look(d, *rest)
@@ -62,6 +95,7 @@ def look_at(d, page):
         found = faults(d, rest[-1])
         check("%s, %s: axe-core finds nothing" % (page, name), not found, json.dumps(found[:6], indent=1))
         check("%s, %s: no sideways scrolling" % (page, name), not wide(d), wide(d))
+        check("%s, %s: nothing is cut" % (page, name), not cut(d), cut(d))
         check("%s, %s: nothing moves" % (page, name), moving(d) == 0, moving(d))
     set_look(d, 1280, 1, "dark", False)
 

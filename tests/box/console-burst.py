@@ -109,6 +109,20 @@ def test_adds(d):
     press(d, Keys.ESCAPE)
 
 
+def test_try(d):
+    """Two at once are compared; of more none is taken, and this is said."""
+    unlock(d, ALL, "try")
+    give(d, "a0.ply", "a1.ply")
+    some("two at once are compared", d, "main .verdict h2", "Same face")
+    is_("each in its place", [e.text for e in d.find_elements(By.CSS_SELECTOR, "main .slot strong")], ["a0.ply", "a1.ply"])
+    give(d, "a0.ply", "a1.ply", "other.ply")
+    some("three are not", d, "main .error", "3 files are too many: two are compared.")
+    is_("and what was there stays", [e.text for e in d.find_elements(By.CSS_SELECTOR, "main .slot strong")], ["a0.ply", "a1.ply"])
+    give(d, "a0.ply", "other.ply")
+    some("two others", d, "main .verdict h2", "Different faces")
+    check("nothing is said of too many", gone(d, "main .error"))
+
+
 def test_each(d):
     """A template of each; on a person's page they are dropped anywhere."""
     unlock(d, ALL, "people?subject=anna")
@@ -167,4 +181,4 @@ def test_identify(d):
     quiet("several scans", d)
 
 
-run(browser(), test_enroll, test_adds, test_each, test_verify, test_identify)
+run(browser(), test_enroll, test_adds, test_try, test_each, test_verify, test_identify)
