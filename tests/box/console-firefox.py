@@ -3,9 +3,11 @@ Firefox's own protocol: Debian has no geckodriver."""
 import base64
 import json
 import os
+import re
 import socket
 import subprocess
 import time
+import zlib
 
 from browser import ALL, FOLDER, ROOT, check, is_
 
@@ -112,6 +114,26 @@ def section(firefox, title):
         const t = document.querySelector(".section .said").textContent; return t !== arguments[0] && t.startsWith("B lies at most")""", first))
 
 
+def objects(pdf):
+    """The file with what is packed in it."""
+    packed = re.findall(rb"stream\r?\n(.*?)\r?\nendstream", pdf, re.S)
+    return pdf + b"".join(zlib.decompressobj().decompress(data) for data in packed if data[:1] == b"x")
+
+
+def report(firefox, title):
+    """The report is one A4; returns its file."""
+    pdf = base64.b64decode(firefox.ask("WebDriver:Print", page={"width": 21.0, "height": 29.7}, background=True)["value"])
+    path = "%s/firefox-%s.pdf" % (FOLDER, title)
+    with open(path, "wb") as f:
+        f.write(pdf)
+    whole = objects(pdf)
+    is_("%s: on paper one page" % title, len(re.findall(rb"/Type\s*/Page\b", whole)), 1)
+    size = re.search(rb"/MediaBox\s*\[\s*0 0 ([0-9.]+) ([0-9.]+)", whole)
+    check("%s: an A4" % title, size and [round(float(n)) for n in size.groups()] in ([595, 842], [596, 842]), size and size.group(0))
+    check("%s: with pictures" % title, len(re.findall(rb"/Subtype\s*/Image", whole)) >= 3, len(whole))
+    return path
+
+
 def main():
     firefox = Firefox()
     firefox.ask("WebDriver:Navigate", url=ROOT + "console")
@@ -131,6 +153,7 @@ def main():
         return c !== null && c.width > 100 && c.getContext("webgl2") !== null"""))
     section(firefox, "two people")
     firefox.picture("firefox-try")
+    report(firefox, "report")
     is_("no error, and nothing that the policy refused", firefox.messages(), [])
     firefox.run("[...document.querySelectorAll('aside button')].find((b) => b.textContent.includes('Lock')).click()")
     check("locked again", firefox.wait("return document.querySelector('#token') !== null"))
@@ -140,6 +163,9 @@ def main():
     section(firefox, "of a file")
     firefox.picture("firefox-page")
     is_("no error there", firefox.messages(page), [])
+    firefox.ask("WebDriver:Navigate", url="file://" + report(firefox, "file-report"))
+    check("as Firefox shows it", text(firefox, ".textLayer span", "other.ply"))
+    firefox.picture("firefox-file-report")
     firefox.process.terminate()
     firefox.process.wait()
 
