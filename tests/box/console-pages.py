@@ -225,6 +225,33 @@ def test_health(d):
     some("beyond the table there is no rate", d, "output", "fewer than 1 in")
 
 
+def test_many(d):
+    """The groups of more than 100,000 people, whom the page's own fetch() makes up: it asks before it counts on."""
+    unlock(d, ALL, "people")
+    d.execute_script("""
+        const real = window.fetch, people = 130500;
+        window.asked = 0;
+        window.fetch = (to, how) => {
+          const url = new URL(to, location.href), from = Number(url.searchParams.get("cursor") ?? 0), n = Number(url.searchParams.get("limit"));
+          if (!url.pathname.endsWith("/v1/subjects")) return real(to, how);
+          window.asked++;
+          const subjects = Array.from({ length: Math.min(n, people - from) }, (_, i) => ({ subject: `p${from + i}`, groups: [[], ["day"], ["day", "night"]][(from + i) % 3] }));
+          return Promise.resolve(Response.json({ subjects, next_cursor: from + n < people ? String(from + n) : null }));
+        };""")
+    d.execute_script("arguments[0].focus()", one(d, ".choices a", "Groups"))
+    press(d, Keys.ENTER)
+    rows = lambda: [[e.text for e in tr.find_elements(By.CSS_SELECTOR, "th, td")][:2] for tr in d.find_elements(By.CSS_SELECTOR, "tbody tr")]
+    some("it has not counted all", d, "[role=status]", "Counted of the first 100,000 people; there are more.")
+    is_("after a hundred requests", d.execute_script("return window.asked"), 100)
+    check("and says what it has", [r for r in rows() if r[0] in ("day", "night")] == [["day", "66,666"], ["night", "33,333"]], rows())
+    one(d, "button", "Count on").click()
+    check("it counts on, where it was", wait(d, lambda _: [r for r in rows() if r[0] in ("day", "night")] == [["day", "87,000"], ["night", "43,500"]]), rows())
+    some("to the end", d, "[role=status]", "groups.")
+    is_("and asks no more than it must", d.execute_script("return window.asked"), 131)
+    is_("nothing is left to count", [e.text for e in d.find_elements(By.CSS_SELECTOR, "main button") if "Count on" in e.text], [])
+    some("how many are in none", d, "main p", "In no group: 43,500 people")
+
+
 def test_groups(d):
     """The groups in use, a way to the people and to the tokens of each; of a token that is bound to groups, its own alone."""
     for subject, groups in (("g-1", ["door-3", "night"]), ("g-2", ["door-3"]), ("g-3", ["night"])):
@@ -474,5 +501,5 @@ def test_scans(d):
     quiet("scans", d)
 
 
-run(browser(), test_landing, test_reload, test_formats, test_words, test_id, test_states, test_zones, test_erased, test_back, test_people, test_groups, test_health, test_gone,
+run(browser(), test_landing, test_reload, test_formats, test_words, test_id, test_states, test_zones, test_erased, test_back, test_people, test_groups, test_many, test_health, test_gone,
     test_upload, test_narrow, test_print, test_forced, test_focus, test_calibrated, test_scans)
