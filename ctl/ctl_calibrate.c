@@ -370,7 +370,7 @@ static void print_det(const struct det *d)
     if (d->n == 0) {
         (void)printf(
             "\nno error trade-off (DET): %u of the people have two templates, and "
-            "%u are needed\n",
+            "%d are needed\n",
             d->people, DET_PEOPLE);
         return;
     }

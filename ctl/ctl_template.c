@@ -6,9 +6,13 @@
 #include <stdlib.h>
 
 #include "ctl_command.h"
+#include "ctl_face.h"
 #include "ctl_model.h"
 #include "describe.h"
+#include "pairs.h"
 #include "pool.h"
+
+static bool wants_compare; /* --compare */
 
 void ctl_template_tell(struct ctl *c, const struct store_template *t)
 {
@@ -74,7 +78,49 @@ static enum status list_one(void *arg, const struct store_subject *one, struct e
     return list_subject(arg, one->id);
 }
 
-static enum status ctl_run_template_list(struct ctl *c)
+/* Which of the templates fits how many of the others, and which two do not match. */
+static void print_pairs(const struct pairs *p)
+{
+    static const char *const fit[] = {[PAIRS_UNKNOWN] = "cannot be told",
+                                      [PAIRS_FITS] = "",
+                                      [PAIRS_MISFIT] = "does not fit"};
+    const struct store_template *t = p->templates.of.t;
+
+    (void)printf("%-32s  %-24s  %7s\n", "TEMPLATE", "CREATED", "MATCHES");
+    for (size_t i = 0; i < p->templates.of.n; i++)
+        (void)printf("%-32s  %-24s  %7u  %s%s%s\n", t[i].id, t[i].created, p->matches[i],
+                     t[i].label, t[i].label[0] != '\0' ? "  " : "", fit[p->fit[i]]);
+    for (uint32_t i = 0; i < p->n; i++)
+        if (p->one[i].result.decision != SURFACE_MATCH)
+            (void)printf("%-12s  %s  %s  %.2f\n",
+                         templates_decision(p->one[i].result.decision), t[p->one[i].a].id,
+                         t[p->one[i].b].id, p->one[i].result.score);
+}
+
+static enum status compare_templates(struct ctl *c)
+{
+    struct templates_context with = ctl_face_context(c, c->work);
+    const char *subject = c->args[0];
+    struct pairs p = {.n = 0};
+    enum status st = pairs_run(&with, subject, c->actor, NULL, &p, &c->e);
+
+    if (st == ST_OK)
+        st = store_event(c->store, "compare_templates", c->actor, subject, "", "written",
+                         &c->e);
+    if (st == ST_OK) {
+        pairs_describe(c->out, &p, true, c->engine);
+        if (!c->json)
+            print_pairs(&p);
+        c->code = EXIT_FINE;
+        for (size_t i = 0; i < p.templates.of.n; i++)
+            if (p.fit[i] == PAIRS_MISFIT)
+                c->code = EXIT_NO;
+    }
+    pairs_free(&p);
+    return st;
+}
+
+static enum status list_templates(struct ctl *c)
 {
     struct ctl_template_listing l = {.c = c};
     enum status st;
@@ -86,6 +132,17 @@ static enum status ctl_run_template_list(struct ctl *c)
     if (st == ST_OK && l.n == 0)
         ctl_say(c, "no templates\n");
     return st;
+}
+
+static enum status ctl_run_template_list(struct ctl *c)
+{
+    enum status st;
+
+    if (wants_compare && c->nargs == 0)
+        return ctl_usage(c, "template list --compare needs a SUBJECT");
+    if ((st = ctl_model_open(c, wants_compare ? STORE_WRITE : STORE_READ)) != ST_OK)
+        return st;
+    return wants_compare ? compare_templates(c) : list_templates(c);
 }
 
 static enum status ctl_run_template_show(struct ctl *c)
@@ -232,13 +289,18 @@ const struct ctl_command ctl_template_list = {
     .name = "template list",
     .args = "[SUBJECT]",
     .takes = {0, 1},
-    .database = CTL_READS_DATABASE,
+    .database = CTL_NEEDS_DATABASE,
     .shared = CTL_MODEL,
+    .options = {CTL_OPTION("compare", NULL, command_flag, &wants_compare,
+                           "compare the subject's templates with each other")},
+    .exits = {"done", "a template does not fit the others"},
     .run = ctl_run_template_list,
     .summary = "list the templates",
     .help =
         "Of one subject or of all, oldest first. Templates of another engine are marked (template\n"
-        "reencode).",
+        "reencode). With --compare each of a subject's templates is compared with each: one that\n"
+        "matches fewer of the others than it does not match is of another person, or of a bad\n"
+        "sitting. Nothing is stored but an entry of the audit log.",
     .example = "surfacectl --db faces.db template list alice"};
 
 const struct ctl_command ctl_template_show = {

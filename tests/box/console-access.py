@@ -116,6 +116,13 @@ def test_pages(d):
         look_at(d, page)
 
 
+def test_pairs(d):
+    unlock(d, ALL, "people?subject=person-a")
+    one(d, "button", "Compare them with each other").click()
+    one(d, ".matrix")
+    look_at(d, "the templates with each other")
+
+
 def test_compared(d):
     unlock(d, ALL)
     one(d, ".samples button", "Two people").click()
@@ -140,4 +147,4 @@ def test_scan(d):
     quiet("all pages", d)
 
 
-run(browser(), test_locked, test_pages, test_compared, test_scan)
+run(browser(), test_locked, test_pages, test_pairs, test_compared, test_scan)

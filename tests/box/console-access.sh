@@ -16,5 +16,6 @@ for name in a other; do
     req POST "/v1/subjects/person-$name/templates" -H "$PLY" --data-binary "@$T/$name.ply"
     req POST "/v1/subjects/person-$name/verify" -H "$PLY" --data-binary "@$T/a2.ply"
 done
+req POST "/v1/subjects/person-a/templates?force=true&label=foreign" -H "$PLY" --data-binary "@$T/other.ply"
 browser_tests 100 tests/box/console-access.py "$URL" "$T" "$AUTH"
 finish

@@ -156,9 +156,9 @@ ctl calibrate --fmr 0.05 --yes
 is "of 30 it is" "$(said '[.det.people, (.det.points | length), .mated] | @csv')" 30,6,60
 ok "a share is refused at the threshold, in its interval" jq_true \
     '.det.own | .fnmr * 60 - 2 | fabs < 0.01' "$T/ctl"
-# shellcheck disable=SC2016 # the variables are jq's
 ok "as the command says, and with the rule of 3" jq_true \
     '.fnmr == .det.own.fnmr and .fnmr_high == .det.own.high and .det.own.high >= 0.1 and .det.own.low == 0' "$T/ctl"
+# shellcheck disable=SC2016 # the variables are jq's
 ok "a higher threshold refuses more" jq_true '[.det.points[] | .fnmr] as $f | [.det.points[] | .score] as $s
     | $f == ($f | sort) and $s == ($s | sort)' "$T/ctl"
 det=$(said .det)

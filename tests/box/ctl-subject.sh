@@ -120,6 +120,10 @@ is "all templates" "$(said '.templates | length')" 2
 ctl_exits 0 template list ann
 is "one's templates" "$(said '.templates[] | .subject + " " + .template_id')" "ann $id"
 ctl_exits 66 template list nobody
+ctl_exits 64 template list --compare
+ctl_exits 66 template list nobody --compare
+ctl_exits 0 template list ann --compare
+is "one template is compared with none" "$(said '[(.pairs | length), .templates[0].fits] | @csv')" 0,
 ctl_exits 0 template show "$id"
 is "a template" "$(said .subject)" ann
 ctl_exits 64 template export "$id"

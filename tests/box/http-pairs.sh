@@ -73,12 +73,23 @@ pairs many
 is "190 pairs" "$STATUS $(get '.pairs | length')" "200 190"
 is "the foreign one is named" "$(get '[.templates[] | select(.fits == false).template_id] | @csv')" "\"$last\""
 
+# ---- surfacectl has the same
+pairs alice
+ctl template list alice --compare
+is "surfacectl" "$CODE" 1
+jq -S . "$T/body" >"$T/wanted"
+jq -S . "$T/ctl" >"$T/got"
+ok "says the same" cmp "$T/wanted" "$T/got"
+"$BUILD/surfacectl" --db "$DB" template list alice --compare >"$T/text"
+ok "as text" grep -q "^$foreign .* 0  foreign  does not fit$" "$T/text"
+is "with the pairs that do not match" "$(grep -c "^no_match .* $foreign " "$T/text")" 3
+
 # ---- whoever may not be verified can still be looked at
 "$BUILD/surfacectl" --db "$DB" subject disable alice >"$T/ctl" 2>&1
 gives 200 "a person who is disabled" pairs alice
 
 # ---- what is kept: an entry for each, nothing else
-is "an entry each" "$(sql "SELECT count(*) || ' ' || max(outcome) FROM access_log WHERE kind = 'compare_templates'")" "7 sent"
+is "an entry each" "$(sql "SELECT count(*) || ' ' || max(outcome) FROM access_log WHERE kind = 'compare_templates'")" "10 written"
 is "no attempt" "$(sql 'SELECT count(*) FROM attempts')" 0
 is "no score of a day" "$(sql 'SELECT count(*) FROM days')" 0
 
