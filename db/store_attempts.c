@@ -60,15 +60,13 @@ enum status store_attempts_list(struct store *s, struct store_attempts **out, si
                                 struct errinfo *e)
 {
     struct log_txn t;
-    int64_t now;
     enum status st;
 
     *out = NULL;
     *n = 0;
-    if ((st = store_rules_now(&now, e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    return store_end(s, &t, rows_attempts_list(&t, now, out, n, e), e);
+    return store_end(s, &t, rows_attempts_list(&t, t.by.ms, out, n, e), e);
 }
 
 /* How long a lock-out lasts after this many failures in a row: 0 below limit, wait_s s at limit,

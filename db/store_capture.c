@@ -30,17 +30,15 @@ enum status store_capture_nonce(struct store *s, char nonce[STORE_NONCE_TEXT + 1
 {
     unsigned char raw[STORE_NONCE];
     struct log_txn t;
-    int64_t ms;
     enum status st;
 
-    if ((st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    bytes_set(raw, (uint64_t)ms, 8);
+    bytes_set(raw, (uint64_t)t.by.ms, 8);
     randombytes_buf(raw + 8, RANDOM);
     mac_of(&t, raw, raw + STORE_NONCE - MAC);
     (void)sodium_bin2base64(nonce, STORE_NONCE_TEXT + 1, raw, sizeof raw, CODING);
-    utc_print(ms + STORE_NONCE_LIFE_MS, expires);
+    utc_print(t.by.ms + STORE_NONCE_LIFE_MS, expires);
     return store_end(s, &t, ST_OK, e);
 }
 

@@ -85,18 +85,14 @@ enum status store_subject_list(struct store *s, int64_t after, size_t limit,
 enum status store_subject_due(struct store *s, struct store_subject **out, size_t *n,
                               struct errinfo *e)
 {
-    char now[UTC_TEXT];
     struct log_txn t;
-    int64_t ms;
     enum status st;
 
     *out = NULL;
     *n = 0;
-    if ((st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    utc_print(ms, now);
-    return store_end(s, &t, rows_subject_due(&t, now, out, n, e), e);
+    return store_end(s, &t, rows_subject_due(&t, t.by.at, out, n, e), e);
 }
 
 /* ---- searching */

@@ -404,15 +404,12 @@ enum status store_record_verification(struct store *s, const struct store_record
 }
 
 /* Prints the first of the last `days` days. */
-static enum status days_begin(int days, char since[UTC_TEXT], struct errinfo *e)
+static void days_begin(const struct log_txn *t, int days, char since[UTC_TEXT])
 {
     const int64_t ms = days * INT64_C(86400000);
-    int64_t now;
-    const enum status st = store_rules_now(&now, e);
 
-    utc_print(now > ms ? now - ms : 0, since);
+    utc_print(t->by.ms > ms ? t->by.ms - ms : 0, since);
     since[STORE_DAY] = '\0';
-    return st;
 }
 
 enum status store_days(struct store *s, struct store_day **out, size_t *n,
@@ -424,9 +421,9 @@ enum status store_days(struct store *s, struct store_day **out, size_t *n,
 
     *out = NULL;
     *n = 0;
-    if ((st = days_begin(STORE_DAYS, since, e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
+    days_begin(&t, STORE_DAYS, since);
     return store_end(s, &t, rows_day_list(&t, since, out, n, e), e);
 }
 
@@ -439,23 +436,23 @@ enum status store_scans(struct store *s, struct store_scans **out, size_t *n,
 
     *out = NULL;
     *n = 0;
-    if ((st = days_begin(STORE_SCAN_DAYS, since, e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
+    days_begin(&t, STORE_SCAN_DAYS, since);
     return store_end(s, &t, rows_scan_list(&t, since, out, n, e), e);
 }
 
 enum status store_days_trim(struct store *s, struct errinfo *e)
 {
+    const struct store_use use = {.subject = 0};
     char scores[UTC_TEXT], scans[UTC_TEXT];
     struct log_txn t;
-    enum status st;
+    enum status st = store_begin_use(s, NULL, SQL_LAZY, &use, &t, e);
 
-    if ((st = days_begin(STORE_DAYS, scores, e)) != ST_OK ||
-        (st = days_begin(STORE_SCAN_DAYS, scans, e)) != ST_OK ||
-        (st = store_begin_use(s, NULL, SQL_LAZY, &(struct store_use){.subject = 0}, &t,
-                              e)) != ST_OK)
+    if (st != ST_OK)
         return st;
+    days_begin(&t, STORE_DAYS, scores);
+    days_begin(&t, STORE_SCAN_DAYS, scans);
     if ((st = SQL_RUN(t.sql, e, "DELETE FROM days WHERE day < $1", sql_text(scores))) ==
         ST_OK)
         st = SQL_RUN(t.sql, e, "DELETE FROM scans WHERE day < $1", sql_text(scans));
