@@ -10,7 +10,6 @@ scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a1.ply"
 scan 2 0 "$T/b.ply"
 scan 2 1 "$T/b1.ply"
-AUTH=
 start_daemon
 ctl token create door --scope "$ALL"
 AUTH=$(said .secret) DOOR=$(said .id)

@@ -4,7 +4,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 needs_section browser firefox-esr
-AUTH=
 start_daemon
 scan 1 0 "$T/a.ply"
 scan 2 0 "$T/other.ply"

@@ -4,7 +4,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 needs_section browser chromedriver
-AUTH=
 start_daemon
 browser_tests 3 tests/box/console-readme.py "$URL" "$T" "$(new_token visitor)"
 cp "$T"/readme-*.webp "$BUILD/console"

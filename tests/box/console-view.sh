@@ -4,7 +4,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 needs_section browser chromedriver
-AUTH=
 start_daemon
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a2.ply" --pose 8 --shift 10

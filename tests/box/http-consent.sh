@@ -27,7 +27,6 @@ events() {
 
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a2.ply" --pose 5
-AUTH=
 start_daemon
 AUTH=$(new_token all)
 enroll=$(new_token enroll --scope enroll)

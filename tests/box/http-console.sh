@@ -4,7 +4,6 @@
 # them, and that is recorded.  The pages in a browser: console.sh.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
-AUTH=
 start_daemon
 
 # ---- pages

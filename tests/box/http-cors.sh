@@ -3,7 +3,6 @@
 # nowhere else; never all origins, never with what a browser sends by itself.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
-AUTH=
 DESK=https://desk.example.org LOCAL=http://localhost:3000
 
 # from ORIGIN METHOD PATH [OPTION...]

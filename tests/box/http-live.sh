@@ -3,7 +3,6 @@
 # lock-out; with the scopes audit and manage alone, and from the daemon's memory alone.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
-AUTH=
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a2.ply" --pose 8
 scan 2 0 "$T/b.ply"

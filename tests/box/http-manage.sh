@@ -4,7 +4,6 @@
 # daemon say the same.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
-AUTH=
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a2.ply" --pose 8
 scan 2 0 "$T/b.ply"

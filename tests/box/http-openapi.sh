@@ -97,7 +97,6 @@ scan 2 0 "$T/b.ply"
 scan 2 1 "$T/b1.ply"
 jq -c -n --slurpfile a "$T/a2.json" '{a: $a[0], b: $a[0]}' >"$T/ab.json"
 jq -r '.points[] | map(tostring) | join(" ")' "$T/a2.json" >"$T/a2.xyz"
-AUTH=
 start_daemon --workers 1 --queue 1 --max-body $LIMIT
 TOKEN=$(new_token one)
 curl -sS -o "$T/api" "$URL/openapi.json"
