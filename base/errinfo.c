@@ -15,3 +15,8 @@ enum status errinfo_set(struct errinfo *e, enum status st, const char *fmt, ...)
     }
     return st;
 }
+
+enum status errinfo_memory(struct errinfo *e)
+{
+    return errinfo_set(e, ST_ENOMEM, "out of memory");
+}

@@ -13,4 +13,7 @@ struct errinfo {
 __attribute__((format(printf, 3, 4))) enum status
 errinfo_set(struct errinfo *e, enum status st, const char *fmt, ...);
 
+/* errinfo_memory(e): Fills *e (NULL is allowed) with "out of memory", and returns ST_ENOMEM. */
+enum status errinfo_memory(struct errinfo *e);
+
 #endif

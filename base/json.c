@@ -134,6 +134,11 @@ void json_text(struct json *j, const char *key, const char *value)
                                                  : create_repaired(value, len));
 }
 
+void json_text_or_null(struct json *j, const char *key, const char *value)
+{
+    json_text(j, key, value[0] != '\0' ? value : NULL);
+}
+
 void json_flag(struct json *j, const char *key, bool value)
 {
     if (adds(j))

@@ -47,6 +47,9 @@ void json_close(struct json *j);
 /* json_text(j, key, value): Adds a text; NULL: null.  A byte that is not UTF-8 becomes U+FFFD. */
 void json_text(struct json *j, const char *key, const char *value);
 
+/* json_text_or_null(j, key, value): Adds a text; "": null. */
+void json_text_or_null(struct json *j, const char *key, const char *value);
+
 void json_flag(struct json *j, const char *key, bool value);
 
 /* json_number(j, key, value): Adds a count (exact up to 10^15), a length in mm, an angle in degrees, a time in

@@ -179,7 +179,7 @@ enum status newfile_open(const char *path, struct newfile *n, struct errinfo *e)
     n->path = strdup(path);
     if ((n->part = malloc(len)) == NULL || n->path == NULL) {
         newfile_close(n);
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     }
     (void)snprintf(n->part, len, "%s.part", path);
     if ((n->folder = newfile_open_directory(path)) < 0)

@@ -183,7 +183,7 @@ static enum status read_later(struct ctl *c, struct later *l)
     if (st != ST_OK)
         return st;
     if (l->full)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&c->e);
     if (found.problems > 0)
         return errinfo_set(&c->e, ST_EREFUSED,
                            "%.120s: not authentic: the database has signed other entries",

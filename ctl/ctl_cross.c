@@ -12,7 +12,7 @@
 
 static enum status ctl_cross_no_memory(struct ctl *c)
 {
-    return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    return errinfo_memory(&c->e);
 }
 
 /* ---- loading */
@@ -42,7 +42,7 @@ static enum status list_template(void *arg, const struct store_subject *of,
     p->tmpl = tmpl != NULL ? tmpl : p->tmpl;
     l->listed = listed != NULL ? listed : l->listed;
     if (tmpl == NULL || listed == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     l->listed[n] = (struct ctl_cross_listed){.key = of->key, .at = n};
     memcpy(l->listed[n].of.id, of->id, sizeof of->id);
     memcpy(l->listed[n].of.uid, of->uid, sizeof of->uid);

@@ -174,7 +174,7 @@ static enum status keep_subjects(struct dedup *d)
     size_t kept = 0;
 
     if ((d->found = malloc((n + 1) * sizeof *d->found)) == NULL)
-        return errinfo_set(&d->c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&d->c->e);
     for (size_t i = 0; i < n; i++) {
         const struct ctl_search_pair *p = &d->search.pair[i];
 

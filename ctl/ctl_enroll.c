@@ -144,7 +144,7 @@ static enum status enroll_files(struct ctl *c)
     if (st != ST_OK)
         return st;
     if ((b = calloc(1, sizeof *b)) == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&c->e);
     if ((st = ctl_session_list(c, 1, &b->files)) == ST_OK &&
         (st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
         st = each || b->files.n == 1 ? enroll_each(c, b) : enroll_fused(c, b);
@@ -193,7 +193,7 @@ static enum status is_there(struct ctl *c, const char *subject,
     if (st == ST_ENOTFOUND)
         return ST_OK;
     if (st == ST_OK && digest_face(f, digest) != ST_OK)
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        st = errinfo_memory(&c->e);
     for (size_t i = 0; st == ST_OK && i < n; i++)
         *there = *there || strcmp(t[i].digest, digest) == 0;
     free(t);
@@ -356,7 +356,7 @@ static enum status enroll_all(struct folder *w, uint32_t *failed, uint32_t *n)
     enum status st;
 
     if ((w->outcome = calloc(k->nscan, sizeof *w->outcome)) == NULL)
-        return errinfo_set(&w->c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&w->c->e);
     for (uint32_t i = 0; i < k->nscan; i++)
         *n += wanted(w, &k->scan[i]);
     if (*n == 0)
@@ -413,7 +413,7 @@ static enum status ctl_enroll_run(struct ctl *c)
     enum status st;
 
     if (unique && (gallery = gallery_new(SIZE_MAX)) == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&c->e);
     st = enroll(c);
     gallery_free(gallery);
     gallery = NULL;

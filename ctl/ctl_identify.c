@@ -35,7 +35,7 @@ static enum status load(struct ctl *c, struct loaded *l)
     enum status st;
 
     if ((l->gallery = gallery_new(SIZE_MAX)) == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&c->e);
     if ((st = store_people_begin(c->store, c->actor, 0, &people, &c->e)) == ST_OK) {
         if (store_people_calibration(people, &k) != 0)
             store_calibration_apply(c->store, k, c->work);
@@ -250,8 +250,7 @@ static enum status ctl_identify_run(struct ctl *c)
 {
     struct ctl_session *s = calloc(1, sizeof *s);
     struct loaded l = {.ms = 0};
-    enum status st = s != NULL ? ctl_identify_check(c)
-                               : errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    enum status st = s != NULL ? ctl_identify_check(c) : errinfo_memory(&c->e);
 
     if (st == ST_OK && (st = ctl_session_list(c, 0, s)) == ST_OK && !c->dry_run)
         st = ctl_session_read(c, s);

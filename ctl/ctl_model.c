@@ -39,7 +39,7 @@ static enum status ask(struct ctl *c, const char *what, const char *option,
     }
     if ((k = sodium_malloc(sizeof *k)) == NULL) {
         (void)fclose(tty);
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&c->e);
     }
     (void)setvbuf(tty, NULL, _IONBF, 0); /* no copy of it is left in a buffer */
     hidden = was;
@@ -152,7 +152,7 @@ static enum status read_settings(struct ctl *c)
     if (errors != NULL)
         read = fclose(errors) == 0 && read;
     if (!read)
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        st = errinfo_memory(&c->e);
     else if (settings_problems(c->settings->settings) > 0)
         st = ctl_usage(c, "%.*s", (int)strcspn(problems, "\n") - (int)strlen(program),
                        problems + strlen(program));

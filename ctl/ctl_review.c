@@ -215,7 +215,7 @@ static enum status read_receipt(struct ctl *c, FILE *in, const char *line,
     size_t n;
 
     if (text == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&c->e);
     memcpy(text, line, first);
     n = first + fread(text + first, 1, FILE_MAX - 1 - first, in);
     text[n] = '\0'; /* as json_read() needs it */
@@ -352,7 +352,7 @@ static void tell_logs(struct ctl *c, const struct log_walk *found, const char *p
 {
     json_number(c->out, "entries", (double)found->entries);
     json_number(c->out, "checkpoints", (double)found->checkpoints);
-    json_text(c->out, "public_key", public_key[0] != '\0' ? public_key : NULL);
+    json_text_or_null(c->out, "public_key", public_key);
     json_text(c->out, "first_log",
               found->problems > 0 ? log_word(found->first_log) : NULL);
     json_number(c->out, "first_entry",

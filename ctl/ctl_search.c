@@ -24,11 +24,6 @@ struct searching {
     bool *skipped;        /* [ntemplate] */
 };
 
-static enum status search_no_memory(struct errinfo *e)
-{
-    return errinfo_set(e, ST_ENOMEM, "out of memory");
-}
-
 /* ---- the faces of a subject */
 
 struct faces {
@@ -166,7 +161,7 @@ static enum status map_slots(struct searching *s)
         if (p->tmpl[i].slot != SURFACE_NOWHERE && p->tmpl[i].slot >= slots)
             slots = p->tmpl[i].slot + 1;
     if ((s->tmpl = malloc((slots + (size_t)1) * sizeof *s->tmpl)) == NULL)
-        return search_no_memory(&s->c->e);
+        return errinfo_memory(&s->c->e);
     for (uint32_t i = 0; i < p->ntemplate; i++)
         if (p->tmpl[i].slot != SURFACE_NOWHERE)
             s->tmpl[p->tmpl[i].slot] = i;
@@ -248,7 +243,7 @@ static enum status search_subject(void *arg, size_t i, struct surface_work *w,
         struct surface_face **face = face_of(s, &f, k);
 
         if (!is_skipped(s, k) && (st = search_one(s, k, w, face, e)) == ST_ENOMEM)
-            st = search_no_memory(e);
+            st = errinfo_memory(e);
     }
     faces_free(&f);
     return st;
@@ -302,7 +297,7 @@ static enum status pairs_of_one(struct searching *s, const struct ctl_cross_subj
 
     out->pair = malloc(((size_t)one->n * (n - one->n) + 1) * sizeof *out->pair);
     if (out->pair == NULL)
-        return search_no_memory(&s->c->e);
+        return errinfo_memory(&s->c->e);
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t k = one->first; k < end; k++)
             if (i < one->first || i >= end)
@@ -389,7 +384,7 @@ enum status ctl_search_run(struct ctl *c, struct ctl_cross *p, uint32_t alone,
     if (p->nsubject < 2)
         return ST_OK;
     if ((s.skipped = calloc(p->ntemplate, sizeof *s.skipped)) == NULL)
-        return search_no_memory(&c->e);
+        return errinfo_memory(&c->e);
     (void)pthread_mutex_init(&s.lock, NULL);
     st =
         alone != CTL_SEARCH_ALL ? pairs_of_one(&s, &p->subject[alone]) : pairs_of_all(&s);

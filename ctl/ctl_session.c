@@ -20,7 +20,7 @@ static enum status add_path(struct ctl *c, struct ctl_session *s, const char *fo
     if (s->n++ >= SURFACE_FRAMES_MAX)
         return ST_OK;
     if ((path = malloc(size)) == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&c->e);
     (void)snprintf(path, size, "%s%s%s", folder, folder[0] != '\0' ? "/" : "", name);
     s->path[s->n - 1] = path;
     return ST_OK;

@@ -261,7 +261,7 @@ static enum status reencode(struct batch *b, size_t *failed)
     if (st != ST_OK)
         return st;
     if ((b->outcome = calloc(b->n + 1, sizeof *b->outcome)) == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&c->e);
     if (b->n > 0)
         st = pool_run("re-encoding", c->threads, c->model, b->n, do_one, b, &c->e);
     *failed = ctl_template_report(b);

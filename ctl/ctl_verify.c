@@ -70,8 +70,7 @@ static enum status ctl_verify_verify(struct ctl *c)
 {
     struct verify_request r = {.of = {.subject = c->args[0], .token = c->actor}};
     struct ctl_session *s = calloc(1, sizeof *s);
-    enum status st = s != NULL ? ctl_session_list(c, 1, s)
-                               : errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    enum status st = s != NULL ? ctl_session_list(c, 1, s) : errinfo_memory(&c->e);
 
     if (st == ST_OK && (st = ctl_session_read(c, s)) == ST_OK)
         st = ctl_verify_run(c, &s->session, &r);
@@ -86,7 +85,7 @@ static enum status ctl_run_verify_compare(struct ctl *c)
     struct surface_face *face = NULL;
     struct session *s = calloc(2, sizeof *s);
     struct verify_request r = {.other = s, .other_face = &face};
-    enum status st = s != NULL ? ST_OK : errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    enum status st = s != NULL ? ST_OK : errinfo_memory(&c->e);
 
     for (int i = 0; st == ST_OK && i < 2; i++) {
         s[i].n = 1;

@@ -122,7 +122,7 @@ static enum status ctl_run(struct ctl *c, struct surface_model **model)
                            "the cryptographic library does not start");
     if (st == ST_OK && (c->cmd->shared & CTL_MODEL) != 0 &&
         (c->work = surface_work_new(c->model)) == NULL)
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        st = errinfo_memory(&c->e);
     if (st == ST_OK && database >= CTL_READS_DATABASE)
         st = ctl_model_open(
             c, database == CTL_WRITES_DATABASE && !c->dry_run ? STORE_WRITE : STORE_READ);

@@ -179,7 +179,7 @@ static enum status store_audit_keep(struct store_audit_listing *l,
         struct store_audit_entry *more = realloc(l->out, room * sizeof *more);
 
         if (more == NULL)
-            return errinfo_set(e, ST_ENOMEM, "out of memory");
+            return errinfo_memory(e);
         l->out = more;
         l->room = room;
     }
@@ -236,7 +236,7 @@ static enum status open_streams(struct store_audit_listing *l, struct errinfo *e
     if (n < l->filter->from.daemons) /* all of one's were cut off since */
         n = l->filter->from.daemons;
     if ((l->stream = calloc(1 + n, sizeof *l->stream)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     l->nstreams = 1 + n;
     l->next.daemons = n;
     l->stream[0].next = &l->next.changes;

@@ -58,7 +58,7 @@ static enum status list_ids(const struct rows_template *row, size_t n,
     if (n == 0)
         return ST_OK;
     if ((out->template_id = calloc(n, sizeof *out->template_id)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     for (size_t i = 0; i < n; i++)
         memcpy(out->template_id[i], row[i].one.id, sizeof out->template_id[i]);
     out->templates = (uint32_t)n;

@@ -353,7 +353,7 @@ enum status store_open(const char *path, enum store_mode mode,
 
     *out = NULL;
     if (s == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     log_init(&s->log);
     (void)pthread_mutex_init(&s->anchor_lock, NULL);
     (void)pthread_mutex_init(&s->anchor_why_lock, NULL);
@@ -370,7 +370,7 @@ enum status store_open(const char *path, enum store_mode mode,
     if (st == ST_OK &&
         ((s->path = strdup(path)) == NULL || o.key_path == NULL ||
          (o.key->anchor != NULL && (s->anchor = strdup(o.key->anchor)) == NULL)))
-        st = errinfo_set(e, ST_ENOMEM, "out of memory");
+        st = errinfo_memory(e);
     if (st == ST_OK)
         st = open_all(s, &o, mode, e);
     free(o.key_path);

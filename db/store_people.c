@@ -45,7 +45,7 @@ enum status store_people_begin(struct store *s, const char *actor, int64_t calib
 
     *out = NULL;
     if (p == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     p->store = s;
     p->calibration = calibration;
     if ((st = store_start(s, actor, SQL_READ, NULL, &p->t, e)) == ST_OK) {
@@ -183,7 +183,7 @@ enum status store_people_changed(struct store_people *p, uint64_t after,
     if ((st = log_list(p->t.sql, NULL, after, &entry, &entries, e)) != ST_OK)
         return st;
     if ((*uid = malloc((entries + 1) * sizeof **uid)) == NULL)
-        st = errinfo_set(e, ST_ENOMEM, "out of memory");
+        st = errinfo_memory(e);
     for (size_t i = 0; st == ST_OK && i < entries; i++)
         if (!sodium_is_zero(entry[i].uid, STORE_UID))
             memcpy((*uid)[(*n)++], entry[i].uid, STORE_UID);

@@ -246,7 +246,7 @@ enum status store_subject_search(struct store *s, const char *actor,
     *out = NULL;
     *n = 0;
     if ((x.out = calloc(what->limit, sizeof *x.out)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     if ((st = store_act_begin(s, actor, SQL_READ, &x.t, e)) == ST_OK) {
         x.now = x.t.by.ms;
         utc_print(x.now + STORE_ENDING_MS, x.soon);

@@ -138,9 +138,7 @@ static enum status describe(const struct store *s, const struct store_enroll *wh
     t->quality = surface_face_quality(f);
     t->manager = what->manager;
     t->first_score = sample->first_score;
-    return digest_face(f, t->digest) == ST_OK
-               ? ST_OK
-               : errinfo_set(e, ST_ENOMEM, "out of memory");
+    return digest_face(f, t->digest) == ST_OK ? ST_OK : errinfo_memory(e);
 }
 
 static enum status enroll_rows(struct store *s, struct enrolling *g,
@@ -189,7 +187,7 @@ enum status store_enroll(struct store *s, const struct store_enroll *what,
         room = size > room ? size : room;
     }
     if ((g.encoded = malloc(room)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     (void)snprintf(g.outcome, sizeof g.outcome, "created%s",
                    what->captured != NULL ? what->captured : "");
     st = enroll_rows(s, &g, t, created, e);
@@ -316,7 +314,7 @@ static enum status copy_rows(const struct rows_template *row, size_t n,
     if (n == 0)
         return ST_OK;
     if ((*out = malloc(n * sizeof **out)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     for (size_t i = 0; i < n; i++)
         (*out)[i] = row[i].one;
     return ST_OK;
@@ -415,7 +413,7 @@ enum status store_reencode(struct store *s, const char *actor, const char *id,
         face.len = surface_encoded_size(f);
         if ((face.face = encoded = malloc(face.len)) == NULL ||
             surface_describe(w, f, descriptor) == SURFACE_ENOMEM)
-            st = errinfo_set(e, ST_ENOMEM, "out of memory");
+            st = errinfo_memory(e);
         else
             surface_encode(f, encoded);
         if (st == ST_OK && (st = store_act_begin(s, actor, SQL_WRITE, &x, e)) == ST_OK)

@@ -52,7 +52,7 @@ static enum status read_template(struct store_snapshot *out, struct errinfo *e)
     enum status st;
 
     if (r->row == NULL && (r->row = malloc(sizeof *r->row)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     out->n = 1;
     if ((st = rows_template_get(r->t, r->what->template_id, r->row, &r->of, e)) != ST_OK)
         return st;
@@ -108,7 +108,7 @@ static enum status describe(struct store_snapshot *out, struct errinfo *e)
         return errinfo_set(e, ST_ECORRUPT, "subject %s has %zu templates, more than %d",
                            r->of.one.id, out->n, STORE_TEMPLATES_MAX);
     if ((out->t = malloc((out->n + 1) * sizeof *out->t)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     for (size_t i = 0; i < out->n; i++)
         out->t[i] = r->row[i].one;
     out->subject = r->of.one;
@@ -144,7 +144,7 @@ enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of
     if (st != ST_OK)
         return st;
     if ((r = out->reading = calloc(1, sizeof *r)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     r->store = s;
     r->what = what;
     r->one = what->template_id != NULL;

@@ -265,7 +265,7 @@ static enum status read_sets(struct run *r, const char *out)
     r->report = calloc(r->n, sizeof *r->report);
     if (r->set == NULL || r->report == NULL) {
         r->n = 0;
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&c->e);
     }
     for (size_t i = 0; i < r->n && st == ST_OK; i++) {
         struct set *s = &r->set[i];

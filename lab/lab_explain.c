@@ -169,7 +169,7 @@ static enum status lab_explain_compare(struct lab *c, struct explanation *x)
     if (st != ST_OK)
         return st;
     if ((x->gap = mem_array(x->n, sizeof *x->gap)) == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&c->e);
     st = status_from(surface_compare(w, &x->tmpl, &x->probe, &x->result));
     if (st == ST_OK)
         st = status_from(surface_disparity(w, &x->tmpl, &x->probe, &x->minimal));

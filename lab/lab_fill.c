@@ -117,7 +117,7 @@ static enum status lab_fill_restore(struct lab *c, struct filled *f)
     enum status st;
 
     if (mm.at == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&c->e);
     for (size_t i = 0; i < mm.n; i++)
         mm.at[i] = f->scan.at[i];
     if ((st = lab_scan_build(c, c->args[0], &mm, false, c->work, &face, &found, &c->e)) ==

@@ -83,7 +83,7 @@ static enum status read_session(const struct lab *c, const struct corpus_scan *s
     enum status st;
 
     if (f == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     memset(f, 0, sizeof *f);
     f->w = w;
     f->how = (struct scan_options){.enrolment = enrolment, .frame = true};
@@ -112,7 +112,7 @@ enum status lab_scan_of(const struct lab *c, const struct corpus_scan *scan,
     if (code != NULL)
         *code = st;
     if (st != ST_OK && (*refused = strdup(why.msg)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     return ST_OK;
 }
 

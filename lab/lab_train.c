@@ -56,7 +56,7 @@ static enum status read_scans(struct lab *c, struct scans *s)
     s->face = calloc(s->corpus->nscan, sizeof *s->face);
     s->refused = calloc(s->corpus->nscan, sizeof *s->refused);
     if (s->face == NULL || s->refused == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(&c->e);
     st = pool_run("reading", c->threads, c->model, s->corpus->nscan, read_scan, s, &c->e);
     if (st == ST_OK)
         list_refused(c, s);
@@ -177,7 +177,7 @@ enum status lab_train(struct lab *c)
     t.corpus = s.corpus;
     t.face = s.face;
     if (st == ST_OK && (m = malloc(sizeof *m)) == NULL)
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        st = errinfo_memory(&c->e);
     if (st == ST_OK)
         st = train_model(&t, c->name != NULL ? c->name : c->model->name, m, &report,
                          &c->e);

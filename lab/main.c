@@ -273,9 +273,9 @@ static enum status lab_run(struct lab *c, const struct command *k)
         st = modelfile_read(c->model_path, &model, &c->e);
     c->model = model != NULL ? model : &model_default;
     if (st == ST_OK && (c->work = surface_work_new(c->model)) == NULL)
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        st = errinfo_memory(&c->e);
     if (st == ST_OK && c->json && (c->report = json_new()) == NULL)
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        st = errinfo_memory(&c->e);
     if (st == ST_OK) {
         surface_engine(c->model, c->engine);
         st = k->run(c);

@@ -25,11 +25,6 @@ struct methods_reading {
     struct errinfo *e;
 };
 
-static enum status methods_no_memory(struct errinfo *e)
-{
-    return errinfo_set(e, ST_ENOMEM, "out of memory");
-}
-
 static int by_files(const void *a, const void *b)
 {
     const struct methods_entry *x = a, *y = b;
@@ -58,7 +53,7 @@ static enum status methods_begin(struct methods_reading *r, const char *path)
     r->entry = malloc((r->t->n + 1) * sizeof *r->entry);
     r->name = name_of(path);
     if (r->entry == NULL || r->name == NULL)
-        return methods_no_memory(r->e);
+        return errinfo_memory(r->e);
     for (size_t i = 0; i < r->t->n; i++)
         r->entry[i] = (struct methods_entry){c->scan[r->t->trial[i].template].file,
                                              c->scan[r->t->trial[i].probe].file, i};
@@ -112,7 +107,7 @@ static enum status methods_read_row(struct methods_reading *r)
     if (csv_field(r->csv, r->value)[0] == '\0')
         return ST_OK;
     if ((m = method_of(r)) == NULL)
-        return methods_no_memory(r->e);
+        return errinfo_memory(r->e);
     if ((st = csv_number(r->csv, r->value, &value, r->e)) != ST_OK || found == NULL)
         return st;
     if (!isnan(m->score[found->trial]))

@@ -46,11 +46,6 @@ struct train_work {
 
 #define BOTH 2
 
-static enum status train_no_memory(struct errinfo *e)
-{
-    return errinfo_set(e, ST_ENOMEM, "out of memory");
-}
-
 /* ---- which scans, which comparisons */
 
 /* The scans that have faces, by subjects; every subject with two or more. */
@@ -67,7 +62,7 @@ static enum status train_choose(struct train_work *w, struct errinfo *e)
         w->first == NULL) {
         free(count);
         free(at);
-        return train_no_memory(e);
+        return errinfo_memory(e);
     }
     for (uint32_t i = 0; i < c->nscan; i++)
         count[c->scan[i].subject] += w->t->face[i].surface.mesh.nv > 0;
@@ -114,7 +109,7 @@ static enum status plan(struct train_work *w, struct errinfo *e)
 {
     w->pair = calloc((size_t)w->n * (STRANGERS + 1), sizeof *w->pair);
     if (w->pair == NULL)
-        return train_no_memory(e);
+        return errinfo_memory(e);
     for (uint32_t i = 0; i < w->n; i++) {
         const uint32_t own = w->sample[i].subject;
         uint32_t found = 0;
@@ -209,7 +204,7 @@ static enum status round_model(struct surface_model *m, struct errinfo *e)
     enum status st;
 
     if (text == NULL)
-        return train_no_memory(e);
+        return errinfo_memory(e);
     (void)surface_model_write(m, text, len + 1);
     st = model_parse(text, len, m, NULL);
     free(text);
@@ -253,7 +248,7 @@ static enum status blend(const struct train_work *w, unsigned half, double weigh
     if (own != NULL)
         st = population_scans_blend(p, own, n, weight);
     free(own);
-    return st == ST_OK ? ST_OK : train_no_memory(e);
+    return st == ST_OK ? ST_OK : errinfo_memory(e);
 }
 
 /* What a model says that has learned from the other half of the subjects. */
@@ -267,7 +262,7 @@ static enum status judge_half(struct train_work *w, unsigned half, double weight
 
     if (st != ST_OK) {
         free(m);
-        return train_no_memory(e);
+        return errinfo_memory(e);
     }
     *m = *before;
     judge.p = NULL;
@@ -395,7 +390,7 @@ static enum status read_scores(const char *path, struct rates **out, struct erri
             csv_field(csv, score)[0] == '\0')
             continue;
         if ((larger = command_grow(s, n, sizeof *s)) == NULL) {
-            st = train_no_memory(e);
+            st = errinfo_memory(e);
             break;
         }
         s = larger;

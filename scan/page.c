@@ -132,7 +132,7 @@ enum status page_write(FILE *to, const void *arg, struct errinfo *e)
     mem_free(ordered);
     if (!done) {
         mem_free(packed);
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     }
     (void)fwrite(page_html, 1, sizeof page_html - 1, to);
     write_base64(to, packed, len);

@@ -85,7 +85,7 @@ static enum status server_start(const struct options *o, struct app *app,
     store_use_model(app->store, app->model);
     app->routes = routes_table(&app->nroutes);
     if (o->gallery_memory > 0 && (app->gallery = gallery_new(o->gallery_memory)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     app->metrics = metrics_new(app->routes, app->nroutes);
     app->limits =
         (struct store_limits){o->attempts, o->attempt_wait, o->attempt_subjects};
@@ -99,7 +99,7 @@ static enum status server_start(const struct options *o, struct app *app,
         app->refusals == NULL || app->recent == NULL ||
         (app->events = events_start(app)) == NULL ||
         (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
         return errinfo_set(e, st, "cannot start %u workers", o->workers);

@@ -17,11 +17,6 @@ static void hex(struct json *j, const char *key, const void *bytes, size_t n)
     json_text(j, key, text);
 }
 
-static void text_or_null(struct json *j, const char *key, const char *text)
-{
-    json_text(j, key, text[0] != '\0' ? text : NULL);
-}
-
 /* "" for none. */
 static void uid_of(const struct log_entry *entry, char out[2 * LOG_UID + 1])
 {
@@ -41,16 +36,16 @@ static void describe_what(struct json *j, const struct log_entry *entry)
     json_text(j, "at", entry->at);
     json_text(j, "kind", entry->kind);
     json_text(j, "actor", entry->actor);
-    text_or_null(j, "subject_uid", uid);
-    text_or_null(j, "object", entry->object);
+    json_text_or_null(j, "subject_uid", uid);
+    json_text_or_null(j, "object", entry->object);
     json_text(j, "outcome", entry->outcome);
 }
 
 void audit_describe(struct json *j, const struct store_audit_entry *a)
 {
     describe_what(j, &a->entry);
-    text_or_null(j, "actor_name", a->actor_name);
-    text_or_null(j, "subject", a->subject);
+    json_text_or_null(j, "actor_name", a->actor_name);
+    json_text_or_null(j, "subject", a->subject);
     json_flag(j, "erased", a->erased);
     hex(j, "hash", a->entry.hash, LOG_HASH);
 }

@@ -13,11 +13,6 @@
 #include "templates.h"
 
 /* null for "" */
-static void text_or_null(struct json *j, const char *key, const char *value)
-{
-    json_text(j, key, value[0] != '\0' ? value : NULL);
-}
-
 void describe_quality(struct json *j, const char *key, const struct surface_quality *q,
                       const struct surface_face *face)
 {
@@ -58,7 +53,7 @@ void describe_scan(struct json *j, const char *key, const struct sample_found *s
     json_number(j, "points_read", (double)s->points_read);
     json_number(j, "points_dropped", (double)s->points_dropped);
     json_number(j, "points_used", (double)f->points_used);
-    text_or_null(j, "units", cloudunit_name(f->unit_mm));
+    json_text_or_null(j, "units", cloudunit_name(f->unit_mm));
     if (f->unit_mm > 0 && f->view[15] == 1)
         json_similarity(j, "view", f->view, f->unit_mm);
     else
@@ -77,10 +72,10 @@ void describe_subject(struct json *j, const struct store_subject *s)
 {
     json_text(j, "subject", s->id);
     json_text(j, "created", s->created);
-    text_or_null(j, "consent", s->reference);
-    text_or_null(j, "purpose", s->purpose);
-    text_or_null(j, "expires_at", s->expires);
-    text_or_null(j, "last_seen", s->seen);
+    json_text_or_null(j, "consent", s->reference);
+    json_text_or_null(j, "purpose", s->purpose);
+    json_text_or_null(j, "expires_at", s->expires);
+    json_text_or_null(j, "last_seen", s->seen);
     json_flag(j, "hold", s->hold);
     json_flag(j, "disabled", s->disabled);
     json_flag(j, "identify", s->identify);
@@ -98,7 +93,7 @@ void describe_attempts(struct json *j, const struct store_worst *a)
 {
     json_object(j, "attempts");
     json_number(j, "failures", a->failures);
-    text_or_null(j, "locked_until", a->until);
+    json_text_or_null(j, "locked_until", a->until);
     json_close(j);
 }
 
@@ -132,10 +127,10 @@ void describe_token(struct json *j, const struct store_token *t, const char *sec
     describe_scopes(j, t->scopes);
     describe_groups(j, t->groups);
     json_text(j, "created", t->created);
-    text_or_null(j, "expires_at", t->expires);
-    text_or_null(j, "last_used", t->used);
-    text_or_null(j, "old_secret_until", t->old_until);
-    text_or_null(j, "revoked_at", t->revoked);
+    json_text_or_null(j, "expires_at", t->expires);
+    json_text_or_null(j, "last_used", t->used);
+    json_text_or_null(j, "old_secret_until", t->old_until);
+    json_text_or_null(j, "revoked_at", t->revoked);
     json_text(j, "state", describe_token_state(t));
     if (secret != NULL)
         json_text(j, "secret", secret);
@@ -381,7 +376,7 @@ void describe_dry_run(struct json *j, const struct dry_run *t,
     json_flag(j, "usable", usable);
     json_flag(j, "enrollable", t->enrolment == ST_OK);
     json_text(j, "code", status_refusal(t->why.code));
-    text_or_null(j, "detail", t->why.msg);
+    json_text_or_null(j, "detail", t->why.msg);
     json_array(j, "advice");
     for (size_t i = 0; i < t->advice.n; i++)
         json_text(j, NULL, t->advice.line[i]);

@@ -242,7 +242,7 @@ static enum status tell_all(const struct store_scans *day, size_t n,
     int64_t now;
 
     if (all == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     (void)utc_now(&now);
     for (size_t i = 0; i < n; i += all[found++].n) {
         all[found] = (struct drift_token){.day = &day[i], .n = 1};

@@ -301,7 +301,7 @@ static enum status store_fitting(struct enrolling *g, struct errinfo *e)
             sample[what.n].descriptor = descriptor[what.n];
             if (surface_describe(g->c->work, x->sample[i].face, descriptor[what.n++]) ==
                 SURFACE_ENOMEM)
-                return errinfo_set(e, ST_ENOMEM, "out of memory");
+                return errinfo_memory(e);
         }
     if ((st = need_unique(g, &what.seq, e)) == ST_OK)
         st = store_enroll(g->c->store, &what, t, created, e);

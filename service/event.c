@@ -69,11 +69,6 @@ const char *event_type(const struct log_entry *entry)
     return refused_with(entry) != NULL ? "refused" : k->type;
 }
 
-static void put(struct json *j, const char *key, const char *text)
-{
-    json_text(j, key, text[0] != '\0' ? text : NULL);
-}
-
 char *event_text(const struct store_audit_entry *a)
 {
     const struct log_entry *entry = &a->entry;
@@ -94,9 +89,9 @@ char *event_text(const struct store_audit_entry *a)
               refused_with(entry) != NULL ? refused_with(entry)
               : k->outcome != NULL        ? k->outcome
                                           : first);
-    put(j, "subject", a->subject);
-    put(j, "template_id", a->subject[0] != '\0' ? entry->object : "");
-    put(j, "token", token ? a->actor_name : entry->actor);
+    json_text_or_null(j, "subject", a->subject);
+    json_text_or_null(j, "template_id", a->subject[0] != '\0' ? entry->object : "");
+    json_text_or_null(j, "token", token ? a->actor_name : entry->actor);
     json_text(j, "token_id", token ? entry->actor : NULL);
     if (until != NULL)
         json_text(j, "until", until + strlen(UNTIL));
@@ -110,10 +105,10 @@ char *event_gap(const char *at)
     json_text(j, "at", at);
     json_text(j, "type", "gap");
     json_text(j, "outcome", "trimmed");
-    put(j, "subject", "");
-    put(j, "template_id", "");
-    put(j, "token", "");
-    put(j, "token_id", "");
+    json_text_or_null(j, "subject", "");
+    json_text_or_null(j, "template_id", "");
+    json_text_or_null(j, "token", "");
+    json_text_or_null(j, "token_id", "");
     return json_compact(j);
 }
 

@@ -40,7 +40,7 @@ void findings_describe(struct json *j, const struct finding *f)
     json_text(j, "severity", findings_word(f->severity));
     json_text(j, "about", f->about);
     json_text(j, "what", f->what);
-    json_text(j, "do", f->todo[0] != '\0' ? f->todo : NULL);
+    json_text_or_null(j, "do", f->todo);
 }
 
 const char *findings_count(char out[FINDINGS_COUNT], uint64_t n)

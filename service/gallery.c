@@ -293,7 +293,7 @@ static enum status add_template(void *arg, const struct store_subject *of,
         const uint32_t set = need_set(g, of->groups);
 
         if (set == NONE || (i = new_person(g, of->uid)) == NONE)
-            return errinfo_set(e, ST_ENOMEM, "out of memory");
+            return errinfo_memory(e);
         g->person[i].set = set;
         g->person[i].until = seconds(of->expires);
         if (g->person[i].until < g->soonest)
@@ -304,10 +304,10 @@ static enum status add_template(void *arg, const struct store_subject *of,
         p->skipped++;
         g->set[p->set].skipped++;
     } else if ((s = surface_index_add(g->index, descriptor)) == NONE) {
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     } else if (!add_slot(g, p, i, s)) {
         surface_index_remove(g->index, s);
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     }
     return bytes_of(g) > g->most ? full(g, e) : ST_OK;
 }
@@ -328,7 +328,7 @@ static enum status load(struct gallery *g, struct store_people *p, struct errinf
 
     gallery_clear(g);
     if ((g->index = surface_index_new()) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     st = store_people_all(p, add_template, count_damaged, g, e);
     if (st != ST_OK)
         gallery_clear(g);
@@ -560,7 +560,7 @@ enum status gallery_count(struct gallery *g, const char *bound, const char *grou
     (void)pthread_rwlock_unlock(&g->lock);
     mem_free(f.may);
     mem_free(f.allowed);
-    return done ? ST_OK : errinfo_set(e, ST_ENOMEM, "out of memory");
+    return done ? ST_OK : errinfo_memory(e);
 }
 
 void gallery_found_free(struct gallery_found *f)

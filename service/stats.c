@@ -115,8 +115,8 @@ static void describe_scans(void *arg, const struct drift_token *t)
     drift_say(&t->drift, text);
     json_object(j, NULL);
     json_text(j, "token", t->name);
-    json_text(j, "token_id", t->id[0] != '\0' ? t->id : NULL);
-    json_text(j, "change", text[0] != '\0' ? text : NULL);
+    json_text_or_null(j, "token_id", t->id);
+    json_text_or_null(j, "change", text);
     json_array(j, "weeks");
     for (size_t i = 0; i < t->n;)
         i += describe_week(j, &t->day[i], t->n - i);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "draw.h"
+#include "vec.h"
 
 enum purpose {
     P_SHAPE = 1,
@@ -19,11 +20,6 @@ enum purpose {
 };
 
 /* ---- the face */
-
-static double facegen_square(double x)
-{
-    return x * x;
-}
 
 static void facegen_add(struct facegen_face *f, double x, double y, double sx, double sy,
                         double h)
@@ -108,7 +104,7 @@ void facegen_face(uint64_t subject, double smile, struct facegen_face *out)
 static double skull(const struct facegen_face *f, double x, double y)
 {
     const double below = y < -20 ? -20 - y : 0; /* the jaw is narrower */
-    const double w = f->width - f->jaw * facegen_square(below) / 20;
+    const double w = f->width - f->jaw * vec_square(below) / 20;
     const double u = fabs(x) / (w > 30 ? w : 30), v = fabs(y - 8.4) / 93.4;
 
     return -22.5 - f->depth * pow(u, 2.76) - 16.4 * pow(v, 2.2);
@@ -122,14 +118,14 @@ static double nose(const struct facegen_face *f, double x, double y)
     double h;
 
     if (y <= 0)
-        h = f->nose * exp(-facegen_square(y / 7) / 2);
+        h = f->nose * exp(-vec_square(y / 7) / 2);
     else if (u < 1)
         h = f->nose + (f->bridge - f->nose) * u +
-            f->hump * exp(-facegen_square((u - 0.55) / 0.2));
+            f->hump * exp(-vec_square((u - 0.55) / 0.2));
     else
-        h = f->bridge * exp(-facegen_square((u - 1) / 0.3)) +
-            f->hump * exp(-facegen_square(0.45 / 0.2));
-    return h * exp(-facegen_square(x / width) / 2);
+        h = f->bridge * exp(-vec_square((u - 1) / 0.3)) +
+            f->hump * exp(-vec_square(0.45 / 0.2));
+    return h * exp(-vec_square(x / width) / 2);
 }
 
 static double drawn(const struct facegen_face *f, double x, double y)
@@ -142,7 +138,7 @@ static double drawn(const struct facegen_face *f, double x, double y)
 
         if (fabs(x - b->x) > 6.5 * b->sx || fabs(y - b->y) > 6.5 * b->sy)
             continue; /* as below, but without dividing */
-        e = facegen_square((x - b->x) / b->sx) + facegen_square((y - b->y) / b->sy);
+        e = vec_square((x - b->x) / b->sx) + vec_square((y - b->y) / b->sy);
         if (e < 40)
             z += b->h * exp(-e / 2);
     }
@@ -291,8 +287,7 @@ static bool outline_holds(const struct outline *o, double x, double y)
     const double u = x / o->a, v = (y - 2) / (y > 2 ? o->up : o->down);
     double angle, radius = 1;
 
-    if (u * u + v * v < facegen_square(o->inner) ||
-        u * u + v * v > facegen_square(o->outer))
+    if (u * u + v * v < vec_square(o->inner) || u * u + v * v > vec_square(o->outer))
         return u * u + v * v < 1;
     angle = atan2(v, u);
     for (int k = 0; k < 5; k++)
@@ -388,7 +383,7 @@ static bool sample_point(const struct facegen_face *f, struct grid *g,
     *facing = pose->r[8] - pose->r[6] * slope[0] - pose->r[7] * slope[1];
     if (towards * 2.5 > *facing)
         return false;
-    *facing /= sqrt(1 + facegen_square(slope[0]) + facegen_square(slope[1]));
+    *facing /= sqrt(1 + vec_square(slope[0]) + vec_square(slope[1]));
     if (*facing < 0.25)
         return false;
     if (fabs(fabs(q->x) - 30) < 14 && fabs(q->y - 38) < 9 && draw_next(r) % 10 < 3)

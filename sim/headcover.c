@@ -5,6 +5,7 @@
 
 #include "draw.h"
 #include "headview.h"
+#include "vec.h"
 
 /* Heights over the plane of the canonical frame, every STEP mm; NAN: nothing. */
 #define STEP   2.0
@@ -34,15 +35,10 @@ static double y_of(int j)
     return BOTTOM + STEP * j;
 }
 
-static double headcover_square(double x)
-{
-    return x * x;
-}
-
 /* 1 at 0, falls to 0 at 1 and stays there; smooth. */
 static double bump(double t)
 {
-    return t < 1 ? headcover_square(1 - t * t) : 0;
+    return t < 1 ? vec_square(1 - t * t) : 0;
 }
 
 static double at_sheet(const struct sheet *s, double x, double y)
@@ -198,7 +194,7 @@ static double lens_radius(const struct frame_shape *g, double x, double y)
 static double lens_height(const struct frame_shape *g, double x, double y)
 {
     return g->z + g->tilt * (y - g->y) - g->wrap * fabs(x) -
-           headcover_square(fabs(x) - g->x) / 190 - headcover_square(y - g->y) / 190;
+           vec_square(fabs(x) - g->x) / 190 - vec_square(y - g->y) / 190;
 }
 
 static void shape_glasses(struct maker *m, struct frame_shape *g)
@@ -291,7 +287,7 @@ static void put_mask(struct maker *m)
             const double x = x_of(i), y = y_of(j), u = fabs(x) / wide;
             const double cone = ridge * bump(hypot(x / 45, (y + 22) / 45));
 
-            if (u < 1 - 0.25 * headcover_square((y + 30) / 60) &&
+            if (u < 1 - 0.25 * vec_square((y + 30) / 60) &&
                 y < top - drop * pow(u, 1.4) && y > bottom + 16 * u * u)
                 m->on.z[j][i] = least_height(m, x, y, gap + cone);
         }
@@ -314,8 +310,8 @@ static void put_scarf(struct maker *m)
 
     for (int j = 0; j < NY; j++)
         for (int i = 0; i < NX; i++)
-            if (y_of(j) < top + waves(edge, 2, 50, x_of(i), 0) +
-                              headcover_square(x_of(i)) / 500 &&
+            if (y_of(j) <
+                    top + waves(edge, 2, 50, x_of(i), 0) + vec_square(x_of(i)) / 500 &&
                 fabs(x_of(i)) < 85)
                 m->on.z[j][i] = least_height(m, x_of(i), y_of(j), gap);
     drape(m, gap);
@@ -356,8 +352,8 @@ static void lay_bone(struct maker *m, const struct bone *b)
                     /* as the skin falls away at the side, so do the fingers, but less */
                     z = fmax(least_height(m, x_of(i), y_of(j), 0), axis - 25);
                     z = 0.5 * (z + axis) +
-                        b->flat * (0.5 * b->radius + sqrt(headcover_square(b->radius) -
-                                                          headcover_square(off)));
+                        b->flat * (0.5 * b->radius +
+                                   sqrt(vec_square(b->radius) - vec_square(off)));
                     m->on.z[j][i] = isnan(m->on.z[j][i]) ? z : fmax(m->on.z[j][i], z);
                 }
             }
@@ -399,7 +395,7 @@ static void put_fringe(struct maker *m)
             const double x = x_of(i), y = y_of(j);
 
             if (on_skin(m, 0.97 * x, y) &&
-                y > low + lean * x - headcover_square(x) / 300 + waves(edge, 3, 9, x, 0))
+                y > low + lean * x - vec_square(x) / 300 + waves(edge, 3, 9, x, 0))
                 m->on.z[j][i] = least_height(m, x, y, deep) +
                                 waves(rough, 1, strand, x + 0.2 * y, 0.1 * y);
         }
@@ -416,8 +412,7 @@ static void put_beard(struct maker *m)
     for (int j = 0; j < NY; j++)
         for (int i = 0; i < NX; i++) {
             const double x = x_of(i), y = y_of(j), u = fabs(x) / 62;
-            const bool lips =
-                headcover_square(x / 24) + headcover_square((y + 29) / 8) < 1;
+            const bool lips = vec_square(x / 24) + vec_square((y + 29) / 8) < 1;
             /* the moustache, and whiskers up to the ears */
             const double upper =
                 fabs(x) < 30 ? -15 - 0.1 * fabs(x) : top + 18 * (u - 0.5);
@@ -456,9 +451,9 @@ static void put_cap(struct maker *m)
     for (double t = 0; t < 1; t += HEAD_COVER_MM / out)
         for (double x = -68; x <= 68; x += HEAD_COVER_MM) {
             const double root = least_height(m, x, low + 1, thick);
-            const double reach = out * sqrt(1 - headcover_square(x / 69));
+            const double reach = out * sqrt(1 - vec_square(x / 69));
 
-            headcover_put(m, x, low + 1 - down * t * reach - 6 * headcover_square(x / 69),
+            headcover_put(m, x, low + 1 - down * t * reach - 6 * vec_square(x / 69),
                           root + t * reach, HEAD_COVER);
         }
 }

@@ -17,6 +17,11 @@ struct dvec3 {
 
 #define VEC_DEGREES 57.29577951308232 /* in a radian */
 
+static inline double vec_square(double x)
+{
+    return x * x;
+}
+
 static inline double vec_dot(struct dvec3 a, struct dvec3 b)
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;

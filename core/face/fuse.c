@@ -171,33 +171,21 @@ static enum status above_vertices(const struct surface *own, const struct surfac
     return st;
 }
 
-/* The median of n values that are sorted here. */
-static float median(float *value, uint32_t n)
-{
-    for (uint32_t i = 1; i < n; i++) {
-        const float one = value[i];
-        uint32_t k = i;
-
-        for (; k > 0 && value[k - 1] > one; k--)
-            value[k] = value[k - 1];
-        value[k] = one;
-    }
-    return (value[(n - 1) / 2] + value[n / 2]) / 2.0f;
-}
-
 /* The robust mean of the heights at vertex v above the base's, with its own: above[0], which is
  * 0. */
 static double mean_at(const float *above, const double *weight, uint32_t n, uint32_t nv,
                       uint32_t v)
 {
-    float sorted[SURFACE_FRAMES_MAX], middle;
+    double sorted[SURFACE_FRAMES_MAX];
+    float middle;
     double sum = 0, all = 0;
     uint32_t k = 0;
 
     for (uint32_t i = 0; i < n; i++)
         if (!isnan(above[(size_t)i * nv + v]))
-            sorted[k++] = above[(size_t)i * nv + v];
-    middle = median(sorted, k);
+            sorted[k++] = (double)above[(size_t)i * nv + v];
+    select_sort(sorted, k);
+    middle = (float)((sorted[(k - 1) / 2] + sorted[k / 2]) / 2);
     for (uint32_t i = 0; i < n; i++) {
         const float one = above[(size_t)i * nv + v];
         const double far = fabs((double)(one - middle));

@@ -70,7 +70,7 @@ static enum status check_descriptor(struct share *x, const struct rows_template 
         !surface_same_engine(row->one.engine, x->c->store->made_by))
         return st;
     if (surface_describe(x->work, x->face, wanted) == SURFACE_ENOMEM)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     same = sodium_memcmp(is, wanted, sizeof is) == 0;
     sodium_memzero(is, sizeof is);
     sodium_memzero(wanted, sizeof wanted);
@@ -95,7 +95,7 @@ static enum status check_template(void *arg, const struct rows_template *row,
         return ST_OK;
     }
     if (x->work == NULL && (x->work = surface_work_new(x->c->store->model)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     if ((st = status_from(surface_decode(x->work, face, len, &x->face))) != ST_OK)
         return errinfo_set(e, st == ST_EVERSION ? ST_ECORRUPT : st, "template %s: %s",
                            t->id, status_message(st));

@@ -160,7 +160,7 @@ static enum status copy_table(struct log_txn *from, const struct copying *c,
     unsigned char *row = malloc(table->size);
     struct sql_rows *r = NULL;
     enum status st = row != NULL ? sql_stream(from->sql, table->all, NULL, 0, &r, e)
-                                 : errinfo_set(e, ST_ENOMEM, "out of memory");
+                                 : errinfo_memory(e);
 
     while (st == ST_OK && sql_next(r))
         if ((st = rows_table_read(from, table, r, 0, row, e)) == ST_OK) {

@@ -110,7 +110,7 @@ enum status crypt_make(enum crypt_kind kind, const void *secret, size_t len,
     enum status st;
 
     if (c == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     *root = (struct crypt_root){.kind = kind};
     if (kind == CRYPT_PASSPHRASE) {
         root->passes = PASSES;
@@ -143,7 +143,7 @@ enum status crypt_open(const struct crypt_root *root, const void *secret, size_t
     if (!root_possible(root))
         return errinfo_set(e, ST_ECORRUPT, "the database's key record is damaged");
     if ((c = *out = sodium_malloc(sizeof *c)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     root_about(root, about);
     if ((st = master_key(root, secret, len, c->master, e)) == ST_OK &&
         !crypt_decrypt(c->master, about, sizeof about, root->secrets,

@@ -122,7 +122,7 @@ enum status crypt_file_read(const char *path, struct crypt_file **out, struct er
             "root's, or this user's (%u)",
             path, (unsigned)sb.st_uid, (unsigned)geteuid());
     else if ((k = sodium_malloc(sizeof *k)) == NULL)
-        st = errinfo_set(e, ST_ENOMEM, "out of memory");
+        st = errinfo_memory(e);
     else
         st = crypt_file_read_line(fd, path, k, e);
     (void)close(fd);

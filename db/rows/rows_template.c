@@ -131,7 +131,7 @@ static enum status decrypt_face(const struct rows_template *row,
         return errinfo_set(e, ST_ECORRUPT, "template %s: its face is missing",
                            row->one.id);
     if ((to = *face = malloc(head.n + mesh.n)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     if (decrypt_part(row, of, &head, HEAD, &to) &&
         (!whole || decrypt_part(row, of, &mesh, MESH, &to))) {
         *len = (size_t)(to - *face);
@@ -447,7 +447,7 @@ static enum status put_face(struct log_txn *t, const struct rows_template *row,
     enum status st;
 
     if (stored == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     behind = stored + cut + CRYPT_OVER;
     crypt_encrypt(of->key, head.bytes, head.n, face, cut, stored);
     crypt_encrypt(of->key, mesh.bytes, mesh.n, face + cut, len - cut, behind);

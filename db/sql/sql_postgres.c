@@ -104,7 +104,7 @@ static enum status connect_to(struct sql_postgres *d, const char *settings, int6
     enum status st = ST_OK;
 
     if (c == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     c->base.driver = &sql_postgres_driver;
     c->of = d;
     c->wait_ms = SET_UP_MS;
@@ -437,7 +437,7 @@ enum status sql_postgres_open(const char *url, enum sql_open how, struct sql **o
         return st;
     if ((d = calloc(1, sizeof *d)) == NULL || (d->url = strdup(url)) == NULL) {
         free(d);
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     }
     d->base.driver = &sql_postgres_driver;
     d->read_only = how == SQL_OPEN_READ;

@@ -429,7 +429,7 @@ static enum status declare(struct sql_postgres_rows *r, const struct sql_value *
         return sql_postgres_conn_failed(c, e);
     if ((text = malloc(size)) == NULL || !set_values(&p, value, n)) {
         free(text);
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     }
     r->cursor = ++c->cursors;
     r->batch = BATCH_MIN;
@@ -458,7 +458,7 @@ enum status sql_postgres_conn_query(struct sql_txn *t, const char *text,
     if ((r = new_rows(c, text)) == NULL ||
         (c->base.ahead && (r->key = key_of(value, n, &r->key_len)) == NULL)) {
         free(r);
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     }
     st = stream ? declare(r, value, n, e)
                 : post(c, text, value, n, SQL_POSTGRES_QUERY, r, e);

@@ -171,7 +171,7 @@ static enum status sql_read_grow(unsigned char **list, size_t n, size_t *room,
         return ST_OK;
     *room = *room != 0 ? 2 * *room : 16;
     if ((larger = realloc(*list, *room * size)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     *list = larger;
     return ST_OK;
 }

@@ -256,7 +256,7 @@ static enum status new_database(const char *path, enum sql_open how,
 
     *out = d;
     if (d == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     d->base.driver = &sql_sqlite_driver;
     d->flags = SQLITE_OPEN_READONLY;
     d->single = how == SQL_OPEN_ALONE;
@@ -265,8 +265,7 @@ static enum status new_database(const char *path, enum sql_open how,
     (void)pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     (void)pthread_cond_init(&d->write_free, &monotonic);
     (void)pthread_condattr_destroy(&monotonic);
-    return (d->path = strdup(path)) != NULL ? ST_OK
-                                            : errinfo_set(e, ST_ENOMEM, "out of memory");
+    return (d->path = strdup(path)) != NULL ? ST_OK : errinfo_memory(e);
 }
 
 /* SQLite first rolls back a transaction of a killed program, if it can write. */

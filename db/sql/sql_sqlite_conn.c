@@ -129,12 +129,12 @@ enum status sql_sqlite_conn_open(const char *path, int flags, bool alone,
 
     *out = NULL;
     if (c == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     c->base.driver = &sql_sqlite_driver;
     if (sqlite3_open_v2(path, &c->db, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
                         NULL) != SQLITE_OK)
-        st = c->db == NULL ? errinfo_set(e, ST_ENOMEM, "out of memory")
-                           : sql_sqlite_conn_fail(c, "cannot open", e);
+        st =
+            c->db == NULL ? errinfo_memory(e) : sql_sqlite_conn_fail(c, "cannot open", e);
     if (st == ST_OK && alone)
         st = lock_out(c, path, e);
     if (st == ST_OK)

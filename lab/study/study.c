@@ -10,6 +10,7 @@
 #include "rates.h"
 #include "locate.h"
 #include "select.h"
+#include "vec.h"
 
 void study_must(enum status st)
 {
@@ -114,25 +115,20 @@ struct study_fit study_fit(const double *x, const double *y, size_t n)
     return (struct study_fit){slope, student(n - 2) * sqrt(rest / (double)(n - 2) / xx)};
 }
 
-static double study_square(double x)
-{
-    return x * x;
-}
-
 double study_function(unsigned f, double x, double y)
 {
-    const double r2 = study_square(x - 0.5) + study_square(y - 0.5);
+    const double r2 = vec_square(x - 0.5) + vec_square(y - 0.5);
 
     switch (f) {
     case 0:
-        return 0.75 * exp(-(study_square(9 * x - 2) + study_square(9 * y - 2)) / 4) +
-               0.75 * exp(-(study_square(9 * x + 1) + 9 * y + 1) / 49) +
-               0.5 * exp(-(study_square(9 * x - 7) + study_square(9 * y - 3)) / 4) -
-               0.2 * exp(-(study_square(9 * x - 4) + study_square(9 * y - 7)));
+        return 0.75 * exp(-(vec_square(9 * x - 2) + vec_square(9 * y - 2)) / 4) +
+               0.75 * exp(-(vec_square(9 * x + 1) + 9 * y + 1) / 49) +
+               0.5 * exp(-(vec_square(9 * x - 7) + vec_square(9 * y - 3)) / 4) -
+               0.2 * exp(-(vec_square(9 * x - 4) + vec_square(9 * y - 7)));
     case 1:
         return (tanh(9 * y - 9 * x) + 1) / 9;
     case 2:
-        return (1.25 + cos(4.5 * y)) / (6 + 6 * study_square(3 * x - 1));
+        return (1.25 + cos(4.5 * y)) / (6 + 6 * vec_square(3 * x - 1));
     case 3:
         return exp(-81.0 / 16 * r2) / 3;
     case 4:

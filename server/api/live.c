@@ -17,11 +17,6 @@
 
 #define LIVE_DEFAULT 100
 
-static void text_or_null(struct json *j, const char *key, const char *text)
-{
-    json_text(j, key, text[0] != '\0' ? text : NULL);
-}
-
 /* scores: may those of what did not match be told? */
 static void describe_entry(struct json *j, const struct recent_entry *e, bool scores)
 {
@@ -33,11 +28,11 @@ static void describe_entry(struct json *j, const struct recent_entry *e, bool sc
     json_number(j, "seq", (double)e->seq);
     json_text(j, "at", at);
     json_text(j, "kind", e->kind);
-    text_or_null(j, "subject", e->subject);
-    text_or_null(j, "token", e->token_name);
+    json_text_or_null(j, "subject", e->subject);
+    json_text_or_null(j, "token", e->token_name);
     json_text(j, "outcome", e->outcome);
     json_text(j, "code", e->code);
-    text_or_null(j, "detail", e->detail);
+    json_text_or_null(j, "detail", e->detail);
     json_score(j, "score", told ? e->score : NAN);
     json_score(j, "threshold", told ? e->threshold : NAN);
     json_number(j, "overlap", told ? e->overlap : NAN);

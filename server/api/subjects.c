@@ -58,7 +58,7 @@ static char *write_subjects(const struct store_subject *s, size_t n, int64_t nex
     for (size_t i = 0; i < n; i++) {
         json_object(j, NULL);
         describe_subject_row(j, &s[i]);
-        json_text(j, "locked_until", s[i].locked[0] != '\0' ? s[i].locked : NULL);
+        json_text_or_null(j, "locked_until", s[i].locked);
         json_close(j);
     }
     json_close(j);

@@ -23,7 +23,7 @@ void tokens_own(struct request *r, struct worker *w)
     json_text(j, "name", r->app->no_auth ? NULL : r->token_name);
     describe_scopes(j, r->scopes);
     describe_groups(j, r->groups);
-    json_text(j, "expires_at", r->token_expires[0] != '\0' ? r->token_expires : NULL);
+    json_text_or_null(j, "expires_at", r->token_expires);
     request_respond(r, 200, json_compact(j));
 }
 

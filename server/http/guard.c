@@ -420,7 +420,7 @@ enum status guard_start(const struct guard_rules *rules, struct guard **out,
     *out = NULL;
     l = calloc(1, sizeof *l);
     if (l == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     l->rules = *rules;
     l->rules.connections =
         ask_for_files(rules->connections, OTHER_FILES + rules->waiting);

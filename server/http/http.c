@@ -621,7 +621,7 @@ enum status http_start(const struct options *o, struct app *app, struct http **o
     enum status st;
 
     if (h == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     h->app = app;
     h->socket.fd = -1;
     h->host.refuse = on_refusal;
@@ -632,7 +632,7 @@ enum status http_start(const struct options *o, struct app *app, struct http **o
     }
     st = peer_init(e);
     if (st == ST_OK && (h->quota = quota_new(&limits)) == NULL)
-        st = errinfo_set(e, ST_ENOMEM, "out of memory");
+        st = errinfo_memory(e);
     if (st == ST_OK && names.cert != NULL)
         st = tls_open(&names, &h->host.tls, e);
     if (st == ST_OK)

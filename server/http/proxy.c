@@ -255,7 +255,7 @@ enum status proxy_start(const char *from, int fd, struct MHD_Daemon *daemon,
 
     *out = NULL;
     if (p == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     p->from = from;
     p->listen = fd;
     p->daemon = daemon;

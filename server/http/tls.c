@@ -161,7 +161,7 @@ static enum status read_all(struct tls *t, struct tls_files **out, struct errinf
     *out = NULL;
     if (f == NULL || gnutls_certificate_allocate_credentials(&f->credentials) < 0) {
         free_files(f);
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     }
     f->owner = t;
     f->refs = 1;
@@ -301,7 +301,7 @@ enum status tls_open(const struct tls_names *names, struct tls **out, struct err
 
     *out = NULL;
     if (t == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     t->names = *names;
     st = read_all(t, &t->current, e);
     if (st != ST_OK) {

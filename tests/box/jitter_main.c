@@ -457,7 +457,7 @@ int main(int argc, char **argv)
     for (size_t k = 0; k < KINDS; k++)
         count[k] = (struct count){.score = INFINITY};
     if (w == NULL)
-        st = errinfo_set(&e, ST_ENOMEM, "out of memory");
+        st = errinfo_memory(&e);
     for (int i = 3; st == ST_OK && i < argc; i++)
         st = try_scan(w, argv[i], (uint64_t)copies, (uint64_t)seed, count, &e);
     surface_work_free(w);

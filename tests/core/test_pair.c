@@ -18,17 +18,6 @@ static void make(uint64_t subject, uint64_t number, double size, struct surface_
     faces_build(f);
 }
 
-/* As if f had been taken for a head so large. */
-static void mistake(struct surface_face *f, double size)
-{
-    struct shape_fit fit;
-
-    assert_int_equal(place_at(f, size, faces_work, &fit), ST_OK);
-    f->frame.pose = fit.pose;
-    place_keep(&fit, &f->frame);
-    assert_int_equal(place_encode(f, &fit, faces_work, &f->encoding), ST_OK);
-}
-
 static double score(const struct surface_face *a, const struct surface_face *b)
 {
     struct surface_comparison ab, ba;
@@ -59,7 +48,7 @@ TEST(test_heads)
     assert_int_equal(surface_compare(faces_work, &a, &b, &whole), SURFACE_OK);
     assert_int_equal(surface_compare(faces_work, head, &b, &c), SURFACE_OK);
     assert_memory_equal(&c, &whole, sizeof c);
-    mistake(&b, 0.9);
+    faces_mistake(&b, 0.9);
     assert_int_equal(surface_compare(faces_work, head, &b, &c), SURFACE_EINVAL);
     assert_int_equal(surface_compare(faces_work, &b, head, &c), SURFACE_EINVAL);
     surface_face_free(head);
@@ -85,7 +74,7 @@ TEST(test_one_size)
 
             make(k, 1, size, &b);
             right = score(&a, &b);
-            mistake(&b, place_size(&b.frame.pose) * wrong[i]);
+            faces_mistake(&b, place_size(&b.frame.pose) * wrong[i]);
             assert_true(right > 8);
             assert_true(score(&a, &b) > right / 2);
             assert_true(score(&other, &b) < 8);
@@ -108,7 +97,7 @@ TEST(test_all_of_one_pair)
     make(3, 0, 1, &a);
     make(3, 1, 1, &b);
     assert_int_equal(surface_disparity(faces_work, &a, &b, &want), ST_OK);
-    mistake(&b, 1.2);
+    faces_mistake(&b, 1.2);
     assert_int_equal(surface_parts(faces_work, &a, &b, &parts), ST_OK);
     for (int i = 0; i < SURFACE_REGIONS; i++)
         sum += parts.region[i];
@@ -129,7 +118,7 @@ TEST(test_mirrored)
     make(4, 0, 1, &a);
     make(4, 1, 1, &b);
     assert_int_equal(surface_compare_mirrored(faces_work, &a, &b, &right), ST_OK);
-    mistake(&b, 0.85);
+    faces_mistake(&b, 0.85);
     assert_int_equal(surface_compare_mirrored(faces_work, &a, &b, &mistaken), ST_OK);
     assert_true(fabs(right.score - mistaken.score) < 8);
     face_free(&a);
@@ -197,7 +186,7 @@ TEST(test_allocations)
 {
     make(5, 0, 1, &failing[0]);
     make(5, 1, 1, &failing[1]);
-    mistake(&failing[1], 1.1);
+    faces_mistake(&failing[1], 1.1);
     assert_true(fail_alloc_walk(compare, NULL) > 1);
     face_free(&failing[0]);
     face_free(&failing[1]);

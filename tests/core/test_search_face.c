@@ -4,7 +4,6 @@
 #include "face_work.h"
 #include "faces.h"
 #include "fail_alloc.h"
-#include "place.h"
 #include "surface_search.h"
 #include "unit.h"
 
@@ -19,17 +18,6 @@ static void make(uint64_t subject, uint64_t number, struct surface_face *f)
 {
     faces_scan(subject, number, POINTS);
     faces_build(f);
-}
-
-/* As if f had been taken for a head so large. */
-static void mistake(struct surface_face *f, double size)
-{
-    struct shape_fit fit;
-
-    assert_int_equal(place_at(f, size, faces_work, &fit), ST_OK);
-    f->frame.pose = fit.pose;
-    place_keep(&fit, &f->frame);
-    assert_int_equal(place_encode(f, &fit, faces_work, &f->encoding), ST_OK);
 }
 
 BEFORE_ALL(set_up)
@@ -91,7 +79,7 @@ TEST(test_people)
 TEST(test_other_size)
 {
     make(7, 2, &probe);
-    mistake(&probe, 0.9);
+    faces_mistake(&probe, 0.9);
     check(7);
 }
 
@@ -150,7 +138,7 @@ TEST(test_no_memory)
 
     assert_non_null(fresh);
     make(4, 1, &probe);
-    mistake(&probe, 0.9);
+    faces_mistake(&probe, 0.9);
     assert_true(fail_alloc_walk(search_once, fresh) >= 2);
     surface_work_free(fresh);
 }

@@ -1,6 +1,7 @@
 #include "faces.h"
 
 #include "clouds.h"
+#include "place.h"
 #include "unit.h"
 
 struct surface_work *faces_work;
@@ -39,4 +40,14 @@ void faces_make(uint64_t subject, uint64_t scan, struct surface_face *out)
 {
     faces_scan(subject, scan, FACES_POINTS);
     faces_build(out);
+}
+
+void faces_mistake(struct surface_face *f, double size)
+{
+    struct shape_fit fit;
+
+    assert_int_equal(place_at(f, size, faces_work, &fit), ST_OK);
+    f->frame.pose = fit.pose;
+    place_keep(&fit, &f->frame);
+    assert_int_equal(place_encode(f, &fit, faces_work, &f->encoding), ST_OK);
 }

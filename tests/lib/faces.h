@@ -22,4 +22,7 @@ void faces_build(struct surface_face *out);
 /* faces_make(subject, scan, out): Builds the face of a scan of FACES_POINTS points. */
 void faces_make(uint64_t subject, uint64_t scan, struct surface_face *out);
 
+/* faces_mistake(f, size): Makes f as if it had been taken for a head so large. */
+void faces_mistake(struct surface_face *f, double size);
+
 #endif

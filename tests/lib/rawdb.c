@@ -84,7 +84,7 @@ enum status rawdb_open(const char *where, struct rawdb **out, struct errinfo *e)
     struct rawdb *d = *out = calloc(1, sizeof *d);
 
     if (d == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+        return errinfo_memory(e);
     if (sql_open_is_url(where))
         return server_open(d, where, e);
     if (sqlite3_open(where, &d->file) != SQLITE_OK ||
