@@ -241,3 +241,24 @@ enum status show_scan(const struct surface_face *face, const struct dvec3 *at, s
     arrays_free(&a[1]);
     return st;
 }
+
+void show_asymmetry(struct json *j, const struct surface_asymmetry *a)
+{
+    json_flag(j, "conclusive", a->conclusive != 0);
+    json_number(j, "plain_mm", a->disparity_mm);
+    json_number(j, "weighted_mm", a->weighted_mm);
+    json_number(j, "first_mm", a->first_mm);
+    json_extent(j, "volume_mm3", a->volume_mm3);
+    json_extent(j, "overlap_mm2", a->area_mm2);
+    json_number(j, "overlap", a->overlap);
+    json_object(j, "plane");
+    json_direction(j, "normal", a->normal);
+    json_number(j, "offset_mm", a->offset_mm);
+    json_number(j, "moved_deg", a->moved_deg);
+    json_number(j, "moved_mm", a->moved_mm);
+    json_number(j, "evaluations", a->evaluations);
+    json_text(j, "stop", a->stop);
+    json_number(j, "turn_deg", a->turn_deg);
+    json_number(j, "shift_mm", a->shift_mm);
+    json_close(j);
+}

@@ -52,4 +52,7 @@ enum status show_scan(const struct surface_face *face, const struct dvec3 *at, s
                       size_t most, const double view[16], struct json *j,
                       struct show *out);
 
+/* show_asymmetry(j, a): Adds the members of a, as members of the object that is open in j. */
+void show_asymmetry(struct json *j, const struct surface_asymmetry *a);
+
 #endif
