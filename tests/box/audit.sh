@@ -110,6 +110,14 @@ offline "$T/receipt"
 is "by nothing" $? 64
 "$BUILD/surfacectl" --db "$DB" audit verify - <"$T/receipt" >"$T/text"
 is "from a pipe, as text" "$? $(cut -c 1-29 "$T/text")" '0 ok: alice with 1 template, at'
+# digest_of FILE: of a receipt, made by hand.
+digest_of() {
+    jq -r '"surface erasure 2", .subject, .subject_uid, .erased_at, .template_ids[]' "$1" | sha256sum | cut -c 1-64
+}
+jq '.subject = "bob"' "$T/receipt" >"$T/other"
+jq --arg d "$(digest_of "$T/other")" '.digest = $d' "$T/other" >"$T/forged"
+ctl audit verify "$T/forged"
+is "another subject, with its digest" "$CODE $(said '.problems | length')" '1 1'
 for change in '.subject = "bob"' '.erased_at = "2026-01-01T00:00:00.000Z"' '.template_ids = []' \
     '.template_ids += ["x"]' '.audit.seq = 8' '.subject_uid |= sub("^...."; "0000")' \
     '.signature |= sub("^...."; "0000")'; do
@@ -134,8 +142,7 @@ ctl subject erase bob --yes
 cp "$T/ctl" "$T/receipt"
 is "the command gives one too" "$CODE $(receipt '[.subject, .templates_removed, .audit.seq] | @csv')" \
     '0 "bob",0,12'
-is "with its digest" "$(receipt .digest)" \
-    "$(receipt '"surface erasure 2", .subject, .subject_uid, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"
+is "with its digest" "$(receipt .digest)" "$(digest_of "$T/receipt")"
 
 # ---- exported
 ctl audit export --out "$T/exported"
