@@ -34,9 +34,9 @@ function places(parts) {
 /** What a scan adds to those before it, whose last is `before`. */
 function adds(a, before) {
   const share = percent(a.share);
-  if (!before) return `The others were laid on it. Has ${share} of the face, noise ${mm(a.noise_mm)}.`;
+  if (!before) return `has ${share} of the face, noise ${mm(a.noise_mm)}. The others were laid on it.`;
   const parts = a.parts.length ? `: ${places(a.parts)}` : "";
-  return `Adds ${share === "0 %" ? "no other part" : share} of the face${parts}. Noise ${mm(before.noise_mm)} before, ${mm(a.noise_mm)} with it.`;
+  return `adds ${share === "0 %" ? "no other part" : share} of the face${parts}. Noise ${mm(before.noise_mm)} before, ${mm(a.noise_mm)} with it.`;
 }
 
 /** The part of the face that it adds, behind what those before it have. */
@@ -78,9 +78,15 @@ export function createBurst({ most, verifying, changed, look }) {
         : el("strong.name", {}, s.file.name),
       s.r && meter(qualityOf(s.r)),
       !over && el("button.quiet", { type: "button", title: "Take it out", "aria-label": `Take ${s.file.name} out`, onclick: () => without(s) }, icon("close")),
-      el("p", {}, s.at ? state(s.at[0]) : el("span.dim", {}, "Not looked at yet"), s.at?.[1] && el("span.dim", {}, ` ${bare(s.at[1], s.file)}`),
-        s.adds && el("span.dim", {}, ` ${adds(s.adds, before(s).at(-1)?.adds)}`)),
+      el("p", {}, ...said(s, s.adds && before(s).at(-1)?.adds)),
       s.adds && bar(s.adds, before(s).reduce((sum, b) => sum + b.adds.share, 0)))));
+  }
+
+  /** What is known of a scan, and why. */
+  function said({ at, file, adds: a }, before) {
+    if (!at) return [el("span.dim", {}, "Not looked at yet")];
+    const why = a ? adds(a, before) : at[1] && bare(at[1], file);
+    return [state(why ? { ...at[0], title: `${at[0].title}:` } : at[0]), why && el("span.dim", {}, ` ${why}`)].filter(Boolean);
   }
 
   function without(s) {
@@ -115,8 +121,8 @@ export function createBurst({ most, verifying, changed, look }) {
   function became({ frames, templates }, refused = false) {
     (frames ?? templates)?.forEach((f, i) => {
       const why = f.reason ?? f.refusal;
-      if (why) scans[i].at = [{ kind: "no", icon: "no", title: frames ? "Left out:" : "Not enrolled:" }, why.detail];
-      else if (!refused) scans[i].at = [{ kind: "ok", icon: "yes", title: frames ? "Used" : f.new ? "Enrolled" : "Was enrolled before" }, f.template_id ? `Template ${f.template_id}` : ""];
+      if (why) scans[i].at = [{ kind: "no", icon: "no", title: frames ? "Left out" : "Not enrolled" }, why.detail];
+      else if (!refused) scans[i].at = [{ kind: "ok", icon: "yes", title: frames ? "Used" : f.new ? "Enrolled" : "Was enrolled before" }, f.template_id ? `template ${f.template_id}` : ""];
       scans[i].used = !why;
       scans[i].adds = f.adds;
     });

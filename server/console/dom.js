@@ -107,8 +107,9 @@ export function span(s) {
 /** One of them, or many: "1 template", "2 templates". */
 export const many = (n, one, others = `${one}s`) => `${count(n)} ${n === 1 ? one : others}`;
 
-/** A reason in the daemon's words, without its name of the only scan, "points: no face", and with the page's name of one of two. */
-export const reason = (text) => text.replace(/^points: ./, (start) => start.at(-1).toUpperCase()).replace(/^([ab])(\.points)?: /, (_, which) => `Scan ${which.toUpperCase()}: `);
+/** A reason in the daemon's words, without its name of the only scan, "points: no face", and with the page's name of one of two.
+ *  An error begins with a capital (style.css), and a file's name does not. */
+export const reason = (text) => text.replace(/^(?=[^\s:]+\.\w{2,4}[: ])/, "Scan ").replace(/^points: ./, (start) => start.at(-1).toUpperCase()).replace(/^([ab])(\.points)?: /, (_, which) => `Scan ${which.toUpperCase()}: `);
 
 /** A rate of false matches in words: "about 1 in 17 million".  least: the lowest that the evaluation supports. */
 export function oneIn(rate, least = 0) {

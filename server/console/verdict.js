@@ -128,7 +128,8 @@ export function gauge(r, knots) {
   const same = r.expected > 0 ? r.expected : null;
   const low = Math.min(-100, r.score - 5), high = Math.max(45, r.score + 5, same ? same + 3 * Math.sqrt(2 * same) : 0), W = 300, y = 52;
   const x = (score) => ((score - low) / (high - low)) * W;
-  const out = svg("svg", { viewBox: `0 0 ${W} 76`, class: "gauge", role: "img",
+  const top = knots?.length > 1 || same ? 0 : 28; // without hills there is nothing above
+  const out = svg("svg", { viewBox: `0 ${top} ${W} ${76 - top}`, class: "gauge", role: "img",
     "aria-label": `score ${plain(r.score, 1)}, threshold ${plain(r.threshold, 1)}${same ? `, expected of one person ${plain(same, 1)}` : ""}` });
   const line = (a, b, kind) => svg("rect", { x: x(a), y: y - 4, width: Math.max(0, x(b) - x(a)), height: 8, rx: 4, class: kind });
   const steps = 60, at = (k) => low + ((high - low) * k) / steps;

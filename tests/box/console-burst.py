@@ -61,7 +61,7 @@ def test_enroll(d):
     pictures(d, "checked")
     is_("nothing is stored", api("GET", "/v1/subjects/anna")[0], 404)
     one(d, "dialog button.primary", "Enroll anna").click()
-    some("another person's scan", d, "dialog .error", "other.ply shows another person than")
+    some("another person's scan", d, "dialog .error", "Scan other.ply shows another person than")
     listed("is told where it is", d, ("a0.ply", "Good"), ("none.ply", "Left out: "), ("a1.ply", "Good"), ("other.ply", "Left out: "), ("plane.xyz", "Left out: "))
     pictures(d, "refused")
     is_("and nothing was stored", api("GET", "/v1/subjects/anna")[0], 404)
@@ -95,12 +95,12 @@ def test_adds(d):
     said = rows(d)
     sides = {"left.xyz": "left half of eyes, forehead, cheeks, mouth, chin", "right.xyz": "right half of eyes, forehead, cheeks, mouth, chin"}
     sides["copy.xyz"] = sides["right.xyz"]
-    check("first the one that the others were laid on", "The others were laid on it. Has " in said[0][1], said)
-    second, third = [(name, text.split("Used")[1].strip()) for name, text in said[1:]]
+    check("first the one that the others were laid on", "Used: has " in said[0][1] and "The others were laid on it." in said[0][1], said)
+    second, third = [(name, text.split("Used:")[1].strip()) for name, text in said[1:]]
     copies = {"right.xyz", "copy.xyz"}
     other, none = (second, third) if {said[0][0], third[0]} == copies or {second[0], third[0]} == copies else (third, second)
-    check("then what the other side adds", other[1].startswith("Adds ") and sides[other[0]] in other[1].split(".")[0] and "no other" not in other[1], said)
-    check("a copy adds nothing", none[1].startswith("Adds no other part of the face. Noise "), said)
+    check("then what the other side adds", other[1].startswith("adds ") and sides[other[0]] in other[1].split(".")[0] and "no other" not in other[1], said)
+    check("a copy adds nothing", none[1].startswith("adds no other part of the face. Noise "), said)
     noise = [float(n) for n in none[1].replace(" mm", "").replace(",", "").split() if n.replace(".", "", 1).isdigit()]
     check("and hardly lowers the noise", noise[1] > 0.93 * noise[0], none)
     bars = d.execute_script("return [...document.querySelectorAll('.burst li > .track')].map((t) => [...t.children].map((i) => Math.round(100 * i.offsetWidth / t.offsetWidth)))")
