@@ -250,7 +250,9 @@ def saved(name, seconds=10):
 
 
 def choose(driver, letter, path):
-    wait(driver, lambda d: d.find_element(By.CSS_SELECTOR, ".slot.%s input" % letter)).send_keys(path)
+    place = wait(driver, lambda d: d.find_element(By.CSS_SELECTOR, ".slot.%s input" % letter))
+    driver.execute_script("arguments[0].value = ''", place)  # else it is added
+    place.send_keys(path)
 
 
 # ---- contrast, from the styles that the browser computed
