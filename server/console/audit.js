@@ -13,11 +13,15 @@ const UID = /^[0-9a-f]{32}$/;
 
 const dayOf = (iso) => new Date(iso).toLocaleDateString("en-GB", { weekday: "long", day: "numeric", month: "long", year: "numeric", timeZone: "UTC" });
 
+const SAID = ["created", "set", "enabled", "disabled"]; // by the entry's name
+
 /** What came of it: a decision, or in the log's words. */
 export function cameOf(e) {
+  if (/_(token|device)$/.test(e.kind)) return e.outcome; // a name
+  if (SAID.includes(e.outcome)) return "";
   if (e.outcome in VERDICTS) return state(VERDICTS[e.outcome]);
   const code = e.outcome.split(" ")[0];
-  if (e.kind === "refused" && code in WHY) return el("span", { title: e.outcome }, WHY[code]);
+  if (code in WHY) return el("span", { title: e.outcome }, WHY[code]);
   return e.outcome.replace(/\S+Z$/, moment);
 }
 
