@@ -1,10 +1,10 @@
 // audit.js -- who did what and when: filtered, verified, exported.
 
 import { get, post, query, request } from "./api.js";
-import { count, el, icon, moment, plain, save } from "./dom.js";
+import { count, el, icon, many, moment, plain, save } from "./dom.js";
 import { verdict, VERDICTS } from "./verdict.js";
 import { attempt, dialog, failed, field, personAt, state, table, waiting } from "./widgets.js";
-import { kind, KINDS, WHY } from "./words.js";
+import { kind, KINDS, outcome, WHY } from "./words.js";
 
 const PAGE = 50, TRIES = 20;
 const FILTERS = ["subject", "subject_uid", "kind", "actor", "since", "until"];
@@ -15,11 +15,16 @@ const dayOf = (iso) => new Date(iso).toLocaleDateString("en-GB", { weekday: "lon
 
 const SAID = ["created", "set", "enabled", "disabled"]; // by the entry's name
 
+const SEARCH = /^(match|no_match|inconclusive|) ?(-?[\d.]+|) ?of (\d+)(.*)$/; // of an identification or a candidate
+
 /** What came of it: a decision, or in the log's words. */
 export function cameOf(e) {
   if (/_(token|device)$/.test(e.kind)) return e.outcome; // a name
   if (SAID.includes(e.outcome)) return "";
   if (e.outcome in VERDICTS) return state(VERDICTS[e.outcome]);
+  const [, word, score, people, rest] = SEARCH.exec(e.outcome) ?? [];
+  if (people) return el("span", {}, word && state(outcome({ type: e.kind, outcome: word })),
+    `${word && " "}${score && `${plain(Number(score), 1)} `}among ${many(Number(people), "person", "people")}${rest.replace(/ ([^ =]+)$/, " in $1")}`);
   const code = e.outcome.split(" ")[0];
   if (code in WHY) return el("span", { title: e.outcome }, WHY[code]);
   return e.outcome.replace(/\S+Z$/, moment);
