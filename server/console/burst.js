@@ -48,7 +48,7 @@ function bar(a, from) {
 }
 
 /** most: as many files are sent at once.  verifying: nobody is to be enrolled.  changed(): the files are others, or may be sent
- *  now.  look(nodes): if given, a scan to be shown. */
+ *  now.  look(scan): if given, shows the nodes of a scan. */
 export function createBurst({ most, verifying, changed, look }) {
   const slot = createSlot("", others, most), lens = camera(anew);
   const list = el("ul.card.burst", { hidden: true, "aria-label": "The scans of this sitting" });
@@ -74,7 +74,7 @@ export function createBurst({ most, verifying, changed, look }) {
     const fused = scans.filter((s) => s.adds).sort((a, b) => a.adds.place - b.adds.place);
     const before = (s) => fused.slice(0, s.adds.place - 1);
     refill(list, ...[...fused, ...scans.filter((s) => !s.adds)].map((s) => el("li", {},
-      s.nodes ? el("button.quiet.name", { type: "button", title: "Look at it", "aria-label": `Look at ${s.file.name}`, onclick: () => look(s.nodes) }, s.file.name)
+      s.nodes ? el("button.quiet.name", { type: "button", title: "Look at it", "aria-label": `Look at ${s.file.name}`, onclick: () => look(s) }, s.file.name)
         : el("strong.name", {}, s.file.name),
       s.r && meter(qualityOf(s.r)),
       !over && el("button.quiet", { type: "button", title: "Take it out", "aria-label": `Take ${s.file.name} out`, onclick: () => without(s) }, icon("close")),

@@ -28,8 +28,8 @@ function scanning(d, files, verifying, most, ready) {
   const burst = createBurst({ most, verifying, changed: look, look: show });
   let stop = null;
 
-  function show(nodes) {
-    if (nodes) stage.show(nodes, false);
+  function show(scan) {
+    if (scan?.nodes) stage.show(scan.nodes, false, burst.files.length > 1 ? `${scan.file.name} alone.` : undefined);
     else stage.clear();
   }
 
@@ -42,7 +42,7 @@ function scanning(d, files, verifying, most, ready) {
     try {
       const all = await burst.check(own.signal);
       if (own.signal.aborted) return;
-      show((burst.best() ?? all?.[0])?.nodes);
+      show(burst.best() ?? all?.[0]);
       if (!all) return;
       const { r } = all[0];
       said.replaceChildren(...(all.length > 1 ? [counted(all, verifying)] : [checked(r, verifying), advice(r)]).filter(Boolean));
