@@ -2,7 +2,7 @@
 // scores of the last weeks.
 
 import { get } from "./api.js";
-import { chartWidth, count, day, el, many, oneIn, plain, svg } from "./dom.js";
+import { count, day, drawn, el, many, oneIn, plain, svg } from "./dom.js";
 import { pairs, shareAbove } from "./verdict.js";
 import { failed } from "./widgets.js";
 import { outcome } from "./words.js";
@@ -17,7 +17,7 @@ function effect(all, from, to) {
   const n = all.reduce((sum, w) => sum + w.n, 0), low = Math.min(from, to), high = Math.max(from, to);
   const share = (bin) => Math.max(0, Math.min(LOW + STEP * (bin + 1), high) - Math.max(LOW + STEP * bin, low)) / STEP;
   const k = Math.round(all.flatMap((w) => DECISIONS.map((d) => w.bins[d].reduce((sum, v, bin) => sum + v * share(bin), 0))).reduce((a, b) => a + b, 0));
-  return n > 0 && to !== from && ` Of the ${count(n)} scans of the last ${many(all.length, "week")}, ${k ? `about ${count(k)}` : "none"} ${to > from ? "fewer" : "more"} would have passed.`;
+  return n > 0 && to !== from && ` Of the ${count(n)} scans of the last ${all.length === 1 ? "week" : many(all.length, "week")}, ${k ? `about ${count(k)}` : "none"} ${to > from ? "fewer" : "more"} would have passed.`;
 }
 
 const interval = (c) => `${plain(c.low, 1)} to ${plain(c.high, 1)}`;
@@ -29,38 +29,46 @@ const learned = (c) => el("p.dim", {}, `Learned from scans of ${many(c.subjects,
 
 /** Rates downwards by powers of ten, scores to the right; a line that is moved to ask "what if". */
 function curve(c, all) {
-  const W = chartWidth(), H = 260, left = 96, bottom = 28, top = 24, right = 16;
+  const H = 260, left = 96, bottom = 28, top = 24, right = 16;
   const low = Math.max(-40, Math.min(c.knots[0].score, c.low ?? 0, 0)), high = Math.max(c.knots.at(-1).score, c.high ?? 0, c.threshold + 8);
   const least = Math.floor(Math.log10(Math.min(...c.knots.map((k) => k.rate))));
-  const x = (s) => left + ((s - low) / (high - low)) * (W - left - right);
-  const y = (r) => top + (Math.log10(Math.max(r, 10 ** least)) / least) * (H - top - bottom);
-  const text = (at, up, what, anchor = "middle", kind = "") => svg("text", { x: at, y: up, "text-anchor": anchor, class: kind }, what);
-  const out = svg("svg", { viewBox: `0 0 ${W} ${H}`, class: "chart", role: "img",
-    "aria-label": `At the threshold of ${plain(c.threshold, 1)}${c.low === null ? "" : ` (95 % interval ${interval(c)})`}, ${oneIn(shareAbove(c.knots, c.threshold), c.knots.at(-1).rate)} other people match.` });
-  for (let p = 0; p >= least; p--)
-    out.append(svg("line", { x1: left, x2: W - right, y1: y(10 ** p), y2: y(10 ** p), class: "grid" }),
-      text(left - 8, y(10 ** p) + 4, p === 0 ? "all" : `1 in ${count(10 ** -p)}`, "end"));
-  for (let s = Math.ceil(low / 20) * 20; s <= high; s += 20) out.append(text(x(s), H - 8, plain(s, 0)));
-  const last = c.knots.at(-1).score; // beyond it the rate is lower, and it is not known by how much
-  const line = (from, to, kind) => svg("polyline", { class: kind, points: Array.from({ length: 121 }, (_, i) => from + ((to - from) * i) / 120)
-    .map((s) => `${x(s).toFixed(1)},${y(shareAbove(c.knots, s)).toFixed(1)}`).join(" ") });
-  out.append(svg("rect", { x: x(c.threshold), y: top, width: W - right - x(c.threshold), height: H - top - bottom, class: "match" }),
-    ...(c.low === null ? [] : [svg("rect", { x: x(Math.max(low, c.low)), y: top, width: x(c.high) - x(Math.max(low, c.low)), height: H - top - bottom, class: "interval" })]),
-    line(low, last, "curve"), line(last, high, "curve beyond"),
-    svg("line", { x1: x(c.threshold), x2: x(c.threshold), y1: top - 6, y2: H - bottom, class: "limit" }),
-    named(x(c.threshold), W, c.threshold));
-  const mark = svg("circle", { r: 5.5, class: "mark" });
-  out.append(mark);
-  const said = el("output.what"), slider = el("input", { type: "range", min: Math.ceil(low), max: Math.floor(high), step: 0.5, value: c.threshold, "aria-label": "What if the threshold were" });
+  const slider = el("input", { type: "range", min: Math.ceil(low), max: Math.floor(high), step: 0.5, value: c.threshold, "aria-label": "What if the threshold were" });
+  const said = el("output.what"), mark = svg("circle", { r: 5.5, class: "mark" });
+  let move = null; // the mark to a score, once there is a chart
+  const draw = (W) => {
+    const x = (s) => left + ((s - low) / (high - low)) * (W - left - right);
+    const y = (r) => top + (Math.log10(Math.max(r, 10 ** least)) / least) * (H - top - bottom);
+    const text = (at, up, what, anchor = "middle", kind = "") => svg("text", { x: at, y: up, "text-anchor": anchor, class: kind }, what);
+    const out = svg("svg", { viewBox: `0 0 ${W} ${H}`, class: "chart", role: "img",
+      "aria-label": `At the threshold of ${plain(c.threshold, 1)}${c.low === null ? "" : ` (95 % interval ${interval(c)})`}, ${oneIn(shareAbove(c.knots, c.threshold), c.knots.at(-1).rate)} other people match.` });
+    for (let p = 0; p >= least; p--)
+      out.append(svg("line", { x1: left, x2: W - right, y1: y(10 ** p), y2: y(10 ** p), class: "grid" }),
+        text(left - 8, y(10 ** p) + 4, p === 0 ? "all" : `1 in ${count(10 ** -p)}`, "end"));
+    for (let s = Math.ceil(low / 20) * 20; s <= high; s += 20) out.append(text(x(s), H - 8, plain(s, 0)));
+    const last = c.knots.at(-1).score; // beyond it the rate is lower, and it is not known by how much
+    const line = (from, to, kind) => svg("polyline", { class: kind, points: Array.from({ length: 121 }, (_, i) => from + ((to - from) * i) / 120)
+      .map((s) => `${x(s).toFixed(1)},${y(shareAbove(c.knots, s)).toFixed(1)}`).join(" ") });
+    out.append(svg("rect", { x: x(c.threshold), y: top, width: W - right - x(c.threshold), height: H - top - bottom, class: "match" }),
+      ...(c.low === null ? [] : [svg("rect", { x: x(Math.max(low, c.low)), y: top, width: x(c.high) - x(Math.max(low, c.low)), height: H - top - bottom, class: "interval" })]),
+      line(low, last, "curve"), line(last, high, "curve beyond"),
+      svg("line", { x1: x(c.threshold), x2: x(c.threshold), y1: top - 6, y2: H - bottom, class: "limit" }),
+      named(x(c.threshold), W, c.threshold));
+    move = (s) => {
+      mark.setAttribute("cx", x(s));
+      mark.setAttribute("cy", y(shareAbove(c.knots, s)));
+    };
+    move(Number(slider.value));
+    out.append(mark);
+    return out;
+  };
   const ask = () => {
-    const s = Number(slider.value), rate = shareAbove(c.knots, s);
-    mark.setAttribute("cx", x(s));
-    mark.setAttribute("cy", y(rate));
-    said.replaceChildren(...["At ", el("strong", {}, plain(s, 1)), `, ${oneIn(rate, c.knots.at(-1).rate)} other people would match.`, all && effect(all, c.threshold, s)].filter(Boolean));
+    const s = Number(slider.value);
+    move?.(s);
+    said.replaceChildren(...["At ", el("strong", {}, plain(s, 1)), `, ${oneIn(shareAbove(c.knots, s), c.knots.at(-1).rate)} other people would match.`, all && effect(all, c.threshold, s)].filter(Boolean));
   };
   slider.addEventListener("input", ask);
   ask();
-  return [out, el("div.what-if", {}, slider, said)];
+  return [drawn(draw), el("div.what-if", {}, slider, said)];
 }
 
 /** The point of a normal distribution below which is this share (Acklam's approximation, to 1e-9). */
@@ -81,8 +89,8 @@ const refused = (p) => `${share(p.fnmr)} (${share(p.low)} to ${share(p.high)})`;
 
 /** How often the own people are refused against how often others match, both as normal deviates: a straight line if both
  *  scores are normal.  Below what so few people can show there is no value: "none". */
-function tradeOff(d) {
-  const W = chartWidth(), H = Math.min(W, 420), left = 62, bottom = 44, top = 26, right = 18;
+function tradeOff(d, W) {
+  const H = Math.min(W, 420), left = 62, bottom = 44, top = 26, right = 18;
   const few = 3 / d.people, floor = few / 6;
   const from = d.points.at(-1).fmr, most = Math.min(0.9, Math.max(0.5, ...d.points.map((p) => p.high)));
   const place = (v, low, high) => (deviate(Math.min(Math.max(v, low), high)) - deviate(low)) / (deviate(high) - deviate(low));
@@ -114,7 +122,7 @@ function own(d) {
   if (!d.points.length) return el("section.card", {}, title, el("p", {}, `${d.people === 0 ? "None" : `Only ${count(d.people)}`} of the people who were compared ${d.people === 1 ? "has" : "have"} two templates or more; ${count(d.needed)} are needed. `,
     "Fewer show no rate below one in ten."), el("p.dim", {}, "Enroll a second sitting of more people, and calibrate again."));
   const row = (p, name = "") => el("tr", {}, el("th", { scope: "row" }, name + share(p.fmr)), [plain(p.score, 1), refused(p)].map((t) => el("td", {}, t)));
-  return el("section.card", {}, title, tradeOff(d),
+  return el("section.card", {}, title, drawn((width) => tradeOff(d, width)),
     el("p.states", {}, el("span.key.own", {}, `Threshold in force: ${refused(d.own)}`), el("span.key.ring", {}, `Shipped threshold: ${refused(d.shipped)}`),
       el("span.key.band", {}, "95 % interval, over people"), el("span.key.unknown", {}, `Below what ${count(d.people)} people can show`)),
     el("p.dim", {}, SELECTED),
@@ -146,8 +154,8 @@ function weeks(days) {
 }
 
 /** One row a week, of the same scales, so that a drift is a shift down the page. */
-function history(all, threshold) {
-  const W = chartWidth(), left = 76, right = 44, row = 44, top = 22, H = top + all.length * row + 22;
+function history(all, threshold, W) {
+  const left = 76, right = 44, row = 44, top = 22, H = top + all.length * row + 22;
   const x = (s) => left + ((s - LOW) / (STEP * BINS)) * (W - left - right), bar = x(LOW + STEP) - x(LOW);
   const out = svg("svg", { viewBox: `0 0 ${W} ${H}`, class: "chart", role: "img", "aria-label": "Scores of the last weeks; the table below has the same." });
   all.forEach((w, i) => {
@@ -187,7 +195,7 @@ export function openCalibration(body) {
         el("section.card", {}, el("h2", {}, "How many other people would match"), ...curve(c, s.days.some((d) => d.bins) && all)),
         own(c.det),
         el("section.card", {}, el("h2", {}, "Scores of the last weeks"),
-          ...(s.days.some((d) => d.bins) ? [legend(), history(all, c.threshold), el("details", {}, el("summary", {}, "As a table"), asTable(all))]
+          ...(s.days.some((d) => d.bins) ? [legend(), drawn((width) => history(all, c.threshold, width)), el("details", {}, el("summary", {}, "As a table"), asTable(all))]
             : all.length ? [el("p.dim", {}, "Scores are shown to a token with the scope score."), asTable(all)]
             : [el("p.dim", {}, "No verification so far. A histogram a day is kept, of the scores alone: it names nobody.")]))),
       el("div.side", {},

@@ -23,8 +23,19 @@ export function svg(name, attributes, ...children) {
   return e;
 }
 
-/** Of a chart's view, in its own pixels: so that its texts are as large as others also on a phone. */
-export const chartWidth = () => (innerWidth < 720 ? innerWidth - 58 : 660);
+/** A place for the chart that draw(width) gives, in pixels of the screen, so that its texts are as large as others: drawn anew
+ *  when the place has another width, and on paper no larger. */
+export function drawn(draw) {
+  const place = el("div");
+  let width = 0;
+  new ResizeObserver(([{ contentRect }]) => {
+    if (contentRect.width < 1 || Math.round(contentRect.width) === width) return;
+    const chart = draw(width = Math.round(contentRect.width));
+    chart.style.maxWidth = `${width}px`;
+    place.replaceChildren(chart);
+  }).observe(place);
+  return place;
+}
 
 const ICONS = {
   face: "M12 3c4 0 7 2.7 7 7.5 0 5.5-3.2 10.5-7 10.5S5 16 5 10.5C5 5.7 8 3 12 3zM9 10h.01M15 10h.01M12 10v4l-1 .6M9.5 17c1.6 1 3.4 1 5 0",

@@ -3,7 +3,7 @@
 
 import { get, repeat } from "./api.js";
 import { openCalibration } from "./calibration.js";
-import { chartWidth, count, el, icon, many, plain, refill, span, svg } from "./dom.js";
+import { count, drawn, el, icon, many, plain, refill, span, svg } from "./dom.js";
 import { openScans } from "./scans.js";
 import { openTokens } from "./tokens.js";
 import { choices, failed, waiting } from "./widgets.js";
@@ -40,8 +40,8 @@ function bars(rows) {
 const DAYS = 28, DECISIONS = ["match", "inconclusive", "no_match"];
 
 /** How many a day, the last four weeks. */
-function daily(days) {
-  const W = chartWidth(), H = 150, bottom = 20, left = 40, today = Date.now();
+function daily(days, W) {
+  const H = 150, bottom = 20, left = 40, today = Date.now();
   const all = Array.from({ length: DAYS }, (_, i) => new Date(today - (DAYS - 1 - i) * 86400e3).toISOString().slice(0, 10))
     .map((day) => [day, DECISIONS.map((k) => days.filter((d) => d.day === day && d.decision === k).reduce((n, d) => n + d.n, 0))]);
   const most = Math.max(...all.map(([, n]) => n[0] + n[1] + n[2]), 1), step = (W - left) / DAYS, y = (n) => (H - bottom - 8) * (n / most);
@@ -74,7 +74,7 @@ function openNow(body, who, actions) {
         tile(count(counts.subjects), "People", many(counts.templates, "template")),
         tile(span(s.uptime_s), "Running", `${count(s.queue.waiting)} waiting`)),
       el("div.try", {},
-        el("div.stack", {}, el("section.card", {}, el("h2", {}, "Verifications a day"), daily(s.days)),
+        el("div.stack", {}, el("section.card", {}, el("h2", {}, "Verifications a day"), drawn((width) => daily(s.days, width))),
           el("section.card", {}, el("h2", {}, bad ? "To be mended" : "All is well"),
           el("ul.findings", {}, [...s.findings].sort((a, b) => order.indexOf(a.severity) - order.indexOf(b.severity)).map((f) => {
             const [name, kind] = FOUND[f.severity];

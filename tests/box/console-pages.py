@@ -364,6 +364,12 @@ OVER = """return [...document.querySelectorAll("main *")].filter((e) => e.checkV
     e.scrollWidth > e.clientWidth + 1 && ["auto", "scroll"].includes(getComputedStyle(e).overflowX)).map((e) => e.className)"""
 
 
+def unscaled(title, d):
+    """The texts of a chart are as large as others."""
+    check(title + ": no chart is enlarged or reduced", wait(d, lambda _: d.execute_script("""return [...document.querySelectorAll("svg.chart")]
+        .every((s) => Math.abs(s.getBoundingClientRect().width - s.viewBox.baseVal.width) <= 1)""")))
+
+
 def test_narrow(d):
     """Nothing is scrolled out sideways."""
     unlock(d, ALL)
@@ -376,8 +382,13 @@ def test_narrow(d):
             title = "pages-%s-%d" % (page.replace("?", "-").replace("=", "-"), width)
             check(title + ": all is in sight", wait(d, lambda _: d.execute_script(OVER) == []), d.execute_script(OVER))
             is_(title + ": nothing is wider than the screen", d.execute_script("return document.documentElement.scrollWidth"), width)
+            unscaled(title, d)
             contrast(title, d)
             d.save_screenshot(os.path.join(FOLDER, title + ".png"))
+    one(d, ".chart .curve")
+    for width in (1280, 768, 320):
+        look(d, width, True)
+        unscaled("in a window made %d wide" % width, d)
     look(d, 1280, True)
 
 
@@ -391,6 +402,7 @@ def test_print(d):
             "return [...document.querySelectorAll('aside, button, input[type=search]')].filter((e) => e.checkVisibility()).length"), 0)
         is_("%s: and is white" % page, d.execute_script("return getComputedStyle(document.body).backgroundColor"), "rgb(255, 255, 255)")
         contrast("on paper", d)
+        unscaled("on paper", d)
         d.save_screenshot(os.path.join(FOLDER, "print-%s.png" % page.replace("?", "-").replace("=", "-")))
         d.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
     look(d, 1280, True)
