@@ -137,7 +137,8 @@ via 192.0.2.7 /healthz --wait "$T/go" >"$T/half" &
 half=$!
 hold 3 "$signature"
 soon grep -qx sent "$T/held"
-sleep 0.5
+soon test -e "$T/go.half"
+sleep 0.5 # until the daemon has read it
 kill -TERM "$PID"
 held "waiting ones are closed" 'closed 3'
 touch "$T/go"

@@ -74,6 +74,7 @@ def talk(s):
     text = f"GET {arg.path} HTTP/1.1\r\nHost: localhost\r\n{token}Connection: close\r\n\r\n".encode()
     s.sendall(text[: len(text) // 2])
     if arg.wait:
+        open(arg.wait + ".half", "w", encoding="ascii").close()
         while not os.path.exists(arg.wait):
             time.sleep(0.02)
     s.sendall(text[len(text) // 2 :])
