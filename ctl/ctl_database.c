@@ -119,15 +119,9 @@ static void say_day(struct ctl *c, const struct store_day *d)
 static void say_scans(void *arg, const struct drift_token *t)
 {
     struct ctl *c = arg;
-    struct store_scans sum = {.n = 0};
+    const struct store_scans sum = drift_sum(t->day, t->n);
     char text[DRIFT_TEXT];
 
-    for (size_t i = 0; i < t->n; i++) {
-        sum.n += t->day[i].n;
-        sum.unusable += t->day[i].unusable;
-        sum.noise_um += t->day[i].noise_um;
-        sum.quality += t->day[i].quality;
-    }
     ctl_say(c, "%-12s %6" PRId64 " scans in 12 weeks, %" PRId64 " unusable", t->name,
             sum.n + sum.unusable, sum.unusable);
     if (sum.n > 0)

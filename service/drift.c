@@ -18,6 +18,19 @@
 #define SPREAD_NOISE   0.05
 #define SPREAD_QUALITY 0.02
 
+struct store_scans drift_sum(const struct store_scans *day, size_t n)
+{
+    struct store_scans sum = day[0];
+
+    for (size_t i = 1; i < n; i++) {
+        sum.n += day[i].n;
+        sum.unusable += day[i].unusable;
+        sum.noise_um += day[i].noise_um;
+        sum.quality += day[i].quality;
+    }
+    return sum;
+}
+
 /* ---- one figure */
 
 /* A figure of the days: its mean of each, and the scans that this is of. */

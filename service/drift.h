@@ -13,6 +13,9 @@ struct drift {
         after; /* means: of the noise in mm, of the quality, or the share of unusable scans */
 };
 
+/* drift_sum(day, n): Returns the sums of n days of a token, 1 or more; day and token are those of the first. */
+struct store_scans drift_sum(const struct store_scans *day, size_t n);
+
 /* drift_find(day, n, today): Finds the clearest change of a token's scans that still holds.
  *   day    [n] the days of a token, oldest first (store_scans())
  *   today  days since 1970; later days are ignored

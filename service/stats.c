@@ -83,17 +83,14 @@ static int64_t week(int64_t day)
 static size_t describe_week(struct json *j, const struct store_scans *day, size_t n)
 {
     const int64_t from = week(day[0].day);
-    struct store_scans sum = {.n = 0};
+    struct store_scans sum;
     char text[UTC_TEXT];
     size_t i = 0;
     double scans;
 
-    for (; i < n && week(day[i].day) == from; i++) {
-        sum.n += day[i].n;
-        sum.unusable += day[i].unusable;
-        sum.noise_um += day[i].noise_um;
-        sum.quality += day[i].quality;
-    }
+    while (i < n && week(day[i].day) == from)
+        i++;
+    sum = drift_sum(day, i);
     scans = sum.n > 0 ? (double)sum.n : (double)NAN;
     utc_print(from * DAY_MS, text);
     text[STORE_DAY] = '\0';
