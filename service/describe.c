@@ -13,7 +13,6 @@
 #include "dry_run.h"
 #include "templates.h"
 
-/* null for "" */
 void describe_quality(struct json *j, const char *key, const struct surface_quality *q,
                       const struct surface_face *face)
 {

@@ -4,13 +4,7 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 needs_section browser chromedriver
-ctl init
-for i in $(seq 30); do
-    scan "$i" 0 "$T/first.ply" --points 1500
-    scan "$i" 1 "$T/second.ply" --points 1500 --pose 5
-    ctl enroll "p$i" "$T/first.ply"
-    [ "$i" = 1 ] || ctl enroll "p$i" "$T/second.ply" --force
-done
+thirty_people
 scan 40 0 "$T/foreign.ply" --points 1500
 start_daemon
 browser_tests 20 tests/box/console-det.py "$URL" "$T" "$(new_token console)" "$BUILD/surfacectl --db $DB"

@@ -139,13 +139,7 @@ is "nothing is written on top of it" $CODE 77
 
 # ---- how often the right one is refused: of 30 people or more with two templates
 export SURFACED_DB="$T/two.db" DB="$T/two.db"
-ctl init
-for i in $(seq 30); do
-    scan "$i" 0 "$T/first.ply" --points 1500
-    scan "$i" 1 "$T/second.ply" --points 1500 --pose 5
-    ctl enroll "p$i" "$T/first.ply"
-    [ "$i" = 1 ] || ctl enroll "p$i" "$T/second.ply" --force
-done
+thirty_people
 ctl calibrate --fmr 0.05 --dry-run
 is "of 29 people nothing is told" "$(said '[.det.people, .det.needed, (.det.points | length), .det.own] | @csv')" 29,30,0,
 "$BUILD/surfacectl" calibrate --fmr 0.05 --dry-run >"$T/text"

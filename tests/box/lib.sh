@@ -465,6 +465,17 @@ scan() {
     "$BUILD/facegen" --subject "$s_subject" --scan "$s_scan" -o "$s_file" "$@" || exit 1
 }
 
+# thirty_people: a new database of p1 to p30, each but the first with two templates.
+thirty_people() {
+    ctl init
+    for i in $(seq 30); do
+        scan "$i" 0 "$T/first.ply" --points 1500
+        scan "$i" 1 "$T/second.ply" --points 1500 --pose 5
+        ctl enroll "p$i" "$T/first.ply"
+        [ "$i" = 1 ] || ctl enroll "p$i" "$T/second.ply" --force
+    done
+}
+
 # without_times FILE: a JSON response without the members that differ between runs.
 without_times() {
     jq -c 'walk(if type == "object" then del(.timing_ms, .template_id, .created, .request_id)
