@@ -122,8 +122,8 @@ static void say_scans(void *arg, const struct drift_token *t)
     const struct store_scans sum = drift_sum(t->day, t->n);
     char text[DRIFT_TEXT];
 
-    ctl_say(c, "%-12s %6" PRId64 " scans in 12 weeks, %" PRId64 " unusable", t->name,
-            sum.n + sum.unusable, sum.unusable);
+    ctl_say(c, "%-12s %6" PRId64 " scan%s in 12 weeks, %" PRId64 " unusable", t->name,
+            sum.n + sum.unusable, sum.n + sum.unusable == 1 ? "" : "s", sum.unusable);
     if (sum.n > 0)
         ctl_say(c, ", noise %.2f mm, quality %.2f",
                 (double)sum.noise_um / 1000 / (double)sum.n,
